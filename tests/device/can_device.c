@@ -16,5 +16,7 @@ void can_device_check(const char *name, const char *why)
     check_string(name, why ? why : "ready", "ready");
 }
 
-const struct can_config can_device_config = {
-    .timing = {2, 5, 2, 1}, .base_id = 0x240, .restart_us = 100000, .now_us = can_device_now};
+const struct can_config can_device_config = {.timing = {2, 5, 2, 1},
+                                             .base_id = CAN_DEVICE_BASE,
+                                             .restart_us = CAN_DEVICE_RESTART_US,
+                                             .now_us = can_device_now};

@@ -45,7 +45,9 @@ uint32_t can_device_now(void *context);
 /* An open must have said nothing. */
 void can_device_check(const char *name, const char *why);
 
-/* 0x240, 1 Mbit/s from 16 MHz, restart after 100 ms. */
+enum { CAN_DEVICE_BASE = 0x240, CAN_DEVICE_RESTART_US = 100000 };
+
+/* That base, 1 Mbit/s from 16 MHz, that restart. */
 extern const struct can_config can_device_config;
 
 #endif

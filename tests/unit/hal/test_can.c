@@ -5,11 +5,11 @@
 #include "tests/device/fdcan_model.h"
 #include "tests/unit/test.h"
 
-enum { BASE = 0x240, EXTENDED_BASE = 0x18DAF140, MANY = 500, RESTART_US = 100000 };
+enum { EXTENDED_BASE = 0x18DAF140, MANY = 500 };
 
-static const struct can_device *const device[] = {&xilinx_device, &sja1000_device, &stm32_fdcan_device};
-enum { DEVICES = sizeof device / sizeof device[0] };
-static const struct can_device *d;
+static const struct can_device *const devices[] = {&xilinx_device, &sja1000_device, &stm32_fdcan_device};
+enum { DEVICES = sizeof devices / sizeof devices[0] };
+static const struct can_device *tested;
 
 /* ---- a driver and its wire ---- */
 
@@ -17,28 +17,28 @@ static void begin(int i, bool extended)
 {
     struct can_config c = can_device_config;
     c.extended = extended;
-    c.base_id = extended ? EXTENDED_BASE : BASE;
-    d = device[i];
-    *d->stuck = *d->promiscuous = false;
+    c.base_id = extended ? EXTENDED_BASE : CAN_DEVICE_BASE;
+    tested = devices[i];
+    *tested->stuck = *tested->promiscuous = false;
     can_device_us = 0xFFFF0000u; /* wraps within the test */
-    can_device_check(d->name, d->open(&c));
+    can_device_check(tested->name, tested->open(&c));
 }
 
 static void end(void)
 {
-    check_int("accesses that the data sheet forbids", *d->illegal, 0);
+    check_int("accesses that the data sheet forbids", *tested->illegal, 0);
 }
 
 static int give(uint32_t id, uint8_t first)
 {
     struct frame f = {.id = id, .length = 8, .data = {first, 2, 3, 4, 5, 6, 7, 8}};
-    f.flags = d->can->config.extended ? FRAME_EXTENDED : 0;
-    return d->hal->send(d->hal->context, &f);
+    f.flags = tested->can->config.extended ? FRAME_EXTENDED : 0;
+    return tested->hal->send(tested->hal->context, &f);
 }
 
 static int take(struct frame *f)
 {
-    return d->hal->recv(d->hal->context, f);
+    return tested->hal->recv(tested->hal->context, f);
 }
 
 /* Returns the result of recv and drops the frame. */
@@ -50,15 +50,15 @@ static int hear(void)
 
 static void arrive(uint32_t id, uint8_t first)
 {
-    struct wire_frame f = {.id = id, .extended = d->can->config.extended, .dlc = 8, .data = {first}};
-    d->arrive(&f);
+    struct wire_frame f = {.id = id, .extended = tested->can->config.extended, .dlc = 8, .data = {first}};
+    tested->arrive(&f);
 }
 
 static uint32_t drain(void)
 {
     struct wire_frame f;
     uint32_t n = 0;
-    while (n < MANY && d->leave(&f))
+    while (n < MANY && tested->leave(&f))
         n++;
     return n;
 }
@@ -67,25 +67,25 @@ static uint32_t drain(void)
 
 static void check_round_trip(bool extended)
 {
-    uint32_t base = extended ? EXTENDED_BASE : BASE;
+    uint32_t base = extended ? EXTENDED_BASE : CAN_DEVICE_BASE;
     struct wire_frame in = {base + 0x2A, extended, false, 5, {1, 2, 3, 4, 0xFE}}, out = {0};
     struct frame got = {0}, answer = {.id = base + 0x15, .length = 3, .data = {0xA0, 0xB1, 0xC2}};
     answer.flags = extended ? FRAME_EXTENDED : 0;
-    d->arrive(&in);
+    tested->arrive(&in);
     check_int("a frame arrives", take(&got), 1);
     check_hex("its identifier", got.id, in.id);
     check_int("its format", got.flags, extended ? FRAME_EXTENDED : 0);
     check_int("its length", got.length, 5);
     check_int("its bytes differ in", memcmp(got.data, in.data, 5), 0);
     check_int("then none", take(&got), 0);
-    check_int("an answer is taken", d->hal->send(d->hal->context, &answer), 1);
-    check_int("and leaves", d->leave(&out), 1);
+    check_int("an answer is taken", tested->hal->send(tested->hal->context, &answer), 1);
+    check_int("and leaves", tested->leave(&out), 1);
     check_hex("its identifier on the wire", out.id, answer.id);
     check_int("its format on the wire", out.extended, extended);
     check_int("a data frame", out.remote, false);
     check_int("its length on the wire", out.dlc, 3);
     check_int("its bytes differ in", memcmp(out.data, answer.data, 3), 0);
-    check_int("and no second", d->leave(&out), 0);
+    check_int("and no second", tested->leave(&out), 0);
 }
 
 static int64_t count_disorder(void)
@@ -94,11 +94,11 @@ static int64_t count_disorder(void)
     struct frame f;
     struct wire_frame w;
     for (uint32_t i = 0; i < MANY; i++) { /* many times around every ring */
-        arrive(BASE + i % 16, (uint8_t)i);
-        wrong += give(BASE + 0x10 + i % 16, (uint8_t)i) != 1;
+        arrive(CAN_DEVICE_BASE + i % 16, (uint8_t)i);
+        wrong += give(CAN_DEVICE_BASE + 0x10 + i % 16, (uint8_t)i) != 1;
         if (i % 3 < 2)
-            wrong += !d->leave(&w);
-        while (i % 3 == 2 && d->leave(&w))
+            wrong += !tested->leave(&w);
+        while (i % 3 == 2 && tested->leave(&w))
             wrong += w.data[0] > (uint8_t)i && i > 255;
         wrong += take(&f) != 1 || f.data[0] != (uint8_t)i;
     }
@@ -113,10 +113,11 @@ TEST(can_flush)
         struct wire_frame w;
         uint32_t taken = 0, left = 0;
         begin(i, false);
-        while (taken < d->tx_depth && give(BASE + 0x10, (uint8_t)taken) == 1)
+        while (taken < tested->tx_depth && give(CAN_DEVICE_BASE + 0x10, (uint8_t)taken) == 1)
             taken++;
         check_is("frames wait to be sent", taken, >, 1);
-        for (d->hal->flush(d->hal->context); left < MANY && d->leave(&w); d->hal->flush(d->hal->context)) {
+        for (tested->hal->flush(tested->hal->context); left < MANY && tested->leave(&w);
+             tested->hal->flush(tested->hal->context)) {
             check_int("in their order", w.data[0], (uint8_t)left);
             left++;
         }
@@ -131,8 +132,8 @@ TEST(can_frames)
         begin(i, false);
         check_round_trip(false);
         check_int("frames wrong or out of order", count_disorder(), 0);
-        check_int("received", d->can->received, 1 + MANY);
-        check_int("nothing passed over", d->can->passed_over, 0);
+        check_int("received", tested->can->received, 1 + MANY);
+        check_int("nothing passed over", tested->can->passed_over, 0);
         end();
         begin(i, true);
         check_round_trip(true);
@@ -149,8 +150,8 @@ static void sweep(uint32_t *ours, uint32_t *others, bool extended)
     for (uint32_t id = 0; id < 0x800; id++)
         for (int remote = 0; remote < 2; remote++) {
             struct wire_frame f = {extended ? EXTENDED_BASE - 0x400 + id : id, extended, remote, 8, {0x55}};
-            bool ok = !remote && f.id - d->can->config.base_id < 64;
-            d->arrive(&f);
+            bool ok = !remote && f.id - tested->can->config.base_id < 64;
+            tested->arrive(&f);
             *(ok ? ours : others) += hear() == 1;
         }
 }
@@ -164,15 +165,16 @@ TEST(can_filter)
         sweep(&ours, &others, extended);
         check_int("identifiers of the plant that come through", ours, 64);
         check_int("others, and remote frames", others, 0);
-        check_int("and none was left to the driver", d->can->passed_over, 0);
+        check_int("and none was left to the driver", tested->can->passed_over, 0);
         sweep(&ours, &others, !extended);
         check_int("frames of the other format that come through", ours + others, 0);
-        *d->promiscuous = true;
+        *tested->promiscuous = true;
         sweep(&ours, &others, extended);
         check_int("without a filter the driver finds ours", ours, 64);
         check_int("and passes over the rest", others, 0);
-        check_above("which it counts", d->can->passed_over, 2 * 0x800 - 64);
-        d->arrive(&(struct wire_frame){.id = d->can->config.base_id, .extended = !extended, .dlc = 8});
+        check_above("which it counts", tested->can->passed_over, 2 * 0x800 - 64);
+        tested->arrive(
+            &(struct wire_frame){.id = tested->can->config.base_id, .extended = !extended, .dlc = 8});
         check_int("the same number in the other format is none of ours", hear(), 0);
         end();
     }
@@ -187,15 +189,15 @@ TEST(can_transmit_full)
         uint32_t taken = 0, wrong = 0, n = 0;
         begin(i, false);
         for (uint32_t k = 0; k < MANY; k++)
-            taken += give(BASE + 0x10, (uint8_t)taken) == 1;
-        check_int("frames taken while none goes out", taken, d->tx_depth);
-        check_int("the others are refused", d->can->refused, MANY - taken);
-        while (n < MANY && d->leave(&w))
+            taken += give(CAN_DEVICE_BASE + 0x10, (uint8_t)taken) == 1;
+        check_int("frames taken while none goes out", taken, tested->tx_depth);
+        check_int("the others are refused", tested->can->refused, MANY - taken);
+        while (n < MANY && tested->leave(&w))
             wrong += w.data[0] != (uint8_t)n++;
         check_int("those taken go out", n, taken);
         check_int("in order: wrong ones", wrong, 0);
-        check_int("then there is room again", give(BASE, 1), 1);
-        check_int("sent", d->can->sent, taken + 1);
+        check_int("then there is room again", give(CAN_DEVICE_BASE, 1), 1);
+        check_int("sent", tested->can->sent, taken + 1);
         end();
     }
 }
@@ -206,15 +208,15 @@ TEST(can_receive_overrun)
         uint32_t got = 0;
         int said;
         begin(i, false);
-        for (uint32_t k = 0; k < d->rx_depth + 3; k++)
-            arrive(BASE + 1, (uint8_t)k);
+        for (uint32_t k = 0; k < tested->rx_depth + 3; k++)
+            arrive(CAN_DEVICE_BASE + 1, (uint8_t)k);
         while ((said = hear()) == 1)
             got++;
-        check_int("the oldest are kept", got, d->rx_depth);
+        check_int("the oldest are kept", got, tested->rx_depth);
         check_int("then the loss is reported", said, -HAL_DROPPED);
-        check_int("and counted", d->can->dropped, 1);
+        check_int("and counted", tested->can->dropped, 1);
         check_int("once", hear(), 0);
-        arrive(BASE + 1, 9);
+        arrive(CAN_DEVICE_BASE + 1, 9);
         check_int("reception goes on", hear(), 1);
         end();
     }
@@ -225,26 +227,26 @@ TEST(can_hostile_frames)
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
         for (uint8_t dlc = 9; dlc < 16; dlc++) {
-            struct wire_frame f = {BASE + 2, false, false, dlc, {1, 2, 3, 4, 5, 6, 7, 8}};
+            struct wire_frame f = {CAN_DEVICE_BASE + 2, false, false, dlc, {1, 2, 3, 4, 5, 6, 7, 8}};
             struct frame got = {0};
-            d->arrive(&f);
+            tested->arrive(&f);
             check_int("a data length above 8 arrives", take(&got), 1);
             check_int("and means 8", got.length, 8);
             check_int("its bytes differ in", memcmp(got.data, f.data, 8), 0);
         }
-        struct wire_frame empty = {BASE + 3, false, false, 0, {0}};
+        struct wire_frame empty = {CAN_DEVICE_BASE + 3, false, false, 0, {0}};
         struct frame got = {.length = 7};
-        d->arrive(&empty);
+        tested->arrive(&empty);
         check_int("an empty frame arrives", take(&got), 1);
         check_int("with its length", got.length, 0);
-        *d->promiscuous = true;
+        *tested->promiscuous = true;
         for (int k = 0; k < 200; k++) {
-            struct wire_frame remote = {BASE + 4, false, true, 8, {0}};
-            d->arrive(&remote);
+            struct wire_frame remote = {CAN_DEVICE_BASE + 4, false, true, 8, {0}};
+            tested->arrive(&remote);
             if (k % 3 == 0)
                 check_int("remote frames in between", hear(), 0);
         }
-        arrive(BASE + 5, 0);
+        arrive(CAN_DEVICE_BASE + 5, 0);
         hear();
         end();
     }
@@ -256,29 +258,29 @@ TEST(can_error_states)
 {
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
-        d->errors(95, 0);
+        tested->errors(95, 0);
         check_int("95 errors are nothing", hear(), 0);
-        d->errors(96, 0);
+        tested->errors(96, 0);
         check_int("96 are reported", hear(), -HAL_ERROR_PASSIVE);
-        check_int("as warning", d->can->state, CAN_WARNING);
-        check_int("with the count", d->can->transmit_errors, 96);
+        check_int("as warning", tested->can->state, CAN_WARNING);
+        check_int("with the count", tested->can->transmit_errors, 96);
         check_int("once", hear(), 0);
-        arrive(BASE, 1);
-        d->errors(97, 128);
+        arrive(CAN_DEVICE_BASE, 1);
+        tested->errors(97, 128);
         check_int("frames come first", hear(), 1);
         check_int("128 are reported", hear(), -HAL_ERROR_PASSIVE);
-        check_int("as passive", d->can->state, CAN_PASSIVE);
-        check_int("with the count", d->can->receive_errors, 128);
-        check_int("sending goes on", give(BASE + 0x10, 1), 1);
-        d->errors(128, 0);
+        check_int("as passive", tested->can->state, CAN_PASSIVE);
+        check_int("with the count", tested->can->receive_errors, 128);
+        check_int("sending goes on", give(CAN_DEVICE_BASE + 0x10, 1), 1);
+        tested->errors(128, 0);
         check_int("the other counter alone keeps it so", hear(), 0);
-        check_int("passive", d->can->state, CAN_PASSIVE);
-        d->errors(0, 0);
+        check_int("passive", tested->can->state, CAN_PASSIVE);
+        tested->errors(0, 0);
         check_int("recovery is silent", hear(), 0);
-        check_int("active", d->can->state, CAN_ACTIVE);
-        d->errors(0, 100);
+        check_int("active", tested->can->state, CAN_ACTIVE);
+        tested->errors(0, 100);
         check_int("and the next rise is reported", hear(), -HAL_ERROR_PASSIVE);
-        check_int("rises", d->can->passive, 3);
+        check_int("rises", tested->can->passive, 3);
         end();
     }
 }
@@ -286,31 +288,31 @@ TEST(can_error_states)
 static void check_outage(int fault)
 {
     for (int k = 0; k < 5; k++)
-        check_int("frames wait", give(BASE + 0x10, (uint8_t)k), 1);
-    (fault == HAL_BUS_OFF ? d->errors(256, 0) : d->upset());
-    give(BASE + 0x11, 0); /* before anybody has looked */
+        check_int("frames wait", give(CAN_DEVICE_BASE + 0x10, (uint8_t)k), 1);
+    (fault == HAL_BUS_OFF ? tested->errors(256, 0) : tested->upset());
+    give(CAN_DEVICE_BASE + 0x11, 0); /* before anybody has looked */
     check_int("the outage is reported", hear(), -fault);
     check_int("once", hear(), 0);
-    check_int("nothing is taken meanwhile", give(BASE + 0x10, 9), 0);
-    can_device_us += RESTART_US - 1;
+    check_int("nothing is taken meanwhile", give(CAN_DEVICE_BASE + 0x10, 9), 0);
+    can_device_us += CAN_DEVICE_RESTART_US - 1;
     check_int("silence until the restart", hear(), 0);
-    check_int("restarts", d->can->restarted, 0);
+    check_int("restarts", tested->can->restarted, 0);
     can_device_us += 1;
     check_int("restarting", hear(), 0);
-    check_int("restarts", d->can->restarted, 1);
-    d->idle();
+    check_int("restarts", tested->can->restarted, 1);
+    tested->idle();
     check_int("back on the bus", hear() + hear() + hear(), 0);
-    check_int("active", d->can->state, CAN_ACTIVE);
+    check_int("active", tested->can->state, CAN_ACTIVE);
     check_int("nothing from before goes out", drain(), 0);
-    check_int("what is new does", give(BASE + 0x12, 7), 1);
+    check_int("what is new does", give(CAN_DEVICE_BASE + 0x12, 7), 1);
     struct wire_frame w = {0};
-    check_int("to the wire", d->leave(&w), 1);
-    check_hex("as it is", w.id, BASE + 0x12);
-    arrive(BASE + 1, 0);
+    check_int("to the wire", tested->leave(&w), 1);
+    check_hex("as it is", w.id, CAN_DEVICE_BASE + 0x12);
+    arrive(CAN_DEVICE_BASE + 1, 0);
     check_int("and reception too", hear(), 1);
-    d->arrive(&(struct wire_frame){.id = BASE - 1, .dlc = 8});
+    tested->arrive(&(struct wire_frame){.id = CAN_DEVICE_BASE - 1, .dlc = 8});
     check_int("with its filter", hear(), 0);
-    check_int("in the controller", d->can->passed_over, 0);
+    check_int("in the controller", tested->can->passed_over, 0);
 }
 
 TEST(can_bus_off)
@@ -318,8 +320,8 @@ TEST(can_bus_off)
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
         check_outage(HAL_BUS_OFF);
-        check_int("bus-offs", d->can->bus_off, 1);
-        d->errors(256, 0);
+        check_int("bus-offs", tested->can->bus_off, 1);
+        tested->errors(256, 0);
         check_int("a second one is reported too", hear(), -HAL_BUS_OFF);
         end();
     }
@@ -331,16 +333,16 @@ TEST(can_stays_off)
     c.restart_us = 0;
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
-        can_device_check("without a restart time", d->open(&c));
-        d->errors(256, 0);
+        can_device_check("without a restart time", tested->open(&c));
+        tested->errors(256, 0);
         check_int("bus-off is reported", hear(), -HAL_BUS_OFF);
         for (int k = 0; k < 10; k++) {
             can_device_us += 1000000000;
-            d->idle();
+            tested->idle();
             check_int("and stays", hear(), 0);
-            check_int("nothing is taken", give(BASE, 0), 0);
+            check_int("nothing is taken", give(CAN_DEVICE_BASE, 0), 0);
         }
-        check_int("restarts", d->can->restarted, 0);
+        check_int("restarts", tested->can->restarted, 0);
         end();
     }
 }
@@ -351,7 +353,7 @@ TEST(can_upset)
     for (int i = 0; i < DEVICES; i++) {
         begin(i, false);
         check_outage(HAL_DOWN);
-        check_int("outages", d->can->down, 1);
+        check_int("outages", tested->can->down, 1);
         end();
     }
 }
@@ -359,32 +361,32 @@ TEST(can_upset)
 TEST(can_stuck)
 {
     for (int i = 0; i < DEVICES; i++) {
-        d = device[i];
-        *d->stuck = true;
-        const char *why = d->open(&can_device_config);
+        tested = devices[i];
+        *tested->stuck = true;
+        const char *why = tested->open(&can_device_config);
         check_true("a controller that does not change its mode is told", why != NULL || hear() == -HAL_DOWN);
         begin(i, false);
-        d->errors(256, 0);
+        tested->errors(256, 0);
         check_int("bus-off", hear(), -HAL_BUS_OFF);
-        *d->stuck = true; /* it does not come out of it */
+        *tested->stuck = true; /* it does not come out of it */
         for (int k = 0; k < 3; k++) {
-            can_device_us += RESTART_US;
+            can_device_us += CAN_DEVICE_RESTART_US;
             check_below("tries do not fail loudly", hear(), 0);
         }
-        check_int("nothing is taken", give(BASE, 0), 0);
-        *d->stuck = false;
-        can_device_us += RESTART_US;
+        check_int("nothing is taken", give(CAN_DEVICE_BASE, 0), 0);
+        *tested->stuck = false;
+        can_device_us += CAN_DEVICE_RESTART_US;
         hear();
-        d->idle();
+        tested->idle();
         hear();
         hear();
-        check_int("once it can, it comes back", give(BASE, 0), 1);
+        check_int("once it can, it comes back", give(CAN_DEVICE_BASE, 0), 1);
     }
 }
 
 static void check_refused(struct can_config c, const char *name)
 {
-    const char *why = d->open(&c);
+    const char *why = tested->open(&c);
     check_error(name, why);
 }
 
@@ -393,7 +395,7 @@ TEST(can_refuses_configuration)
     for (int i = 0; i < DEVICES; i++) {
         struct can_config c = can_device_config;
         begin(i, false);
-        c.base_id = BASE + 1;
+        c.base_id = CAN_DEVICE_BASE + 1;
         check_refused(c, "a base that is no multiple of 0x40");
         c.base_id = 0x800;
         check_refused(c, "a base of more than 11 bits");
@@ -411,6 +413,6 @@ TEST(can_refuses_configuration)
         c = can_device_config;
         c.timing.jump = 3;
         check_refused(c, "a jump longer than segment 2");
-        can_device_check("and a good one is taken", d->open(&can_device_config));
+        can_device_check("and a good one is taken", tested->open(&can_device_config));
     }
 }

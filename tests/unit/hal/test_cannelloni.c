@@ -6,7 +6,7 @@
 #include "tests/unit/test.h"
 
 /* Parses a copy that ends where the packet ends: an address sanitizer sees any read beyond. */
-static int parse(const uint8_t *packet, size_t n, struct frame *out, int max)
+static int parse_packet(const uint8_t *packet, size_t n, struct frame *out, int max)
 {
     uint8_t *copy = malloc(n ? n : 1);
     memcpy(copy, packet, n);
@@ -21,12 +21,13 @@ TEST(cannelloni_packet)
     struct frame out[PACKET_FRAMES];
     cannelloni_begin(&p, PACKET_SEQUENCE);
     check_int("a packet of no frames", (int64_t)p.n_bytes, CANNELLONI_HEADER);
-    check_int("is valid", parse(p.bytes, p.n_bytes, out, 0), 0);
+    check_int("is valid", parse_packet(p.bytes, p.n_bytes, out, 0), 0);
     for (int i = 0; i < PACKET_FRAMES; i++)
         cannelloni_add(&p, &packet_frame[i]);
     check_int("bytes built", p.n_bytes, sizeof packet_golden);
     check_int("bytes that differ from the format", memcmp(p.bytes, packet_golden, sizeof packet_golden), 0);
-    check_int("frames parsed", parse(packet_golden, sizeof packet_golden, out, PACKET_FRAMES), PACKET_FRAMES);
+    check_int("frames parsed", parse_packet(packet_golden, sizeof packet_golden, out, PACKET_FRAMES),
+              PACKET_FRAMES);
     for (int i = 0; i < PACKET_FRAMES; i++)
         check_true("a parsed frame is the one written by hand", packet_same(&out[i], &packet_frame[i]));
     cannelloni_next(&p);
@@ -59,7 +60,7 @@ static void refused(const char *name, size_t at, uint8_t value)
     struct frame out[3];
     memcpy(packet, packet_golden, sizeof packet_golden);
     packet[at] = value;
-    check_int(name, parse(packet, sizeof packet, out, 3), -1);
+    check_int(name, parse_packet(packet, sizeof packet, out, 3), -1);
 }
 
 TEST(cannelloni_malformed)
@@ -68,11 +69,12 @@ TEST(cannelloni_malformed)
     uint8_t longer[sizeof packet_golden + 1] = {0};
     int64_t taken = 0;
     for (size_t n = 0; n < sizeof packet_golden; n++)
-        taken += parse(packet_golden, n, out, 3) >= 0;
+        taken += parse_packet(packet_golden, n, out, 3) >= 0;
     check_int("truncated packets taken", taken, 0);
     memcpy(longer, packet_golden, sizeof packet_golden);
-    check_int("a byte too many", parse(longer, sizeof longer, out, 3), -1);
-    check_int("more frames than there is room", parse(packet_golden, sizeof packet_golden, out, 2), -1);
+    check_int("a byte too many", parse_packet(longer, sizeof longer, out, 3), -1);
+    check_int("more frames than there is room", parse_packet(packet_golden, sizeof packet_golden, out, 2),
+              -1);
     refused("wrong version", 0, 1);
     refused("wrong op code", 1, 1);
     refused("count too small", 4, 2);

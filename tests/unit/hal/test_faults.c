@@ -13,7 +13,7 @@ enum { NEAR, FAR, PORTS, FRAMES = 20000, PER_FRAME = 4 };
 static struct loopback_bus wires;
 static struct faults faults;
 
-static void begin(const char *list, uint64_t seed)
+static void begin_alone(const char *list, uint64_t seed)
 {
     char why[FAULT_LIST_REASON] = "";
     loopback_init(&wires, PORTS, LOOPBACK_RING);
@@ -54,7 +54,7 @@ TEST(faults_none)
 {
     uint32_t got[64];
     int wrong = 0;
-    begin("", 1);
+    begin_alone("", 1);
     for (uint32_t n = 0; n < 1000; n++)
         wrong += exchange(n, got) != 1 || got[0] != n;
     check_int("frames in: not as they came", wrong, 0);
@@ -92,17 +92,17 @@ static void check_binomial(const char *name, double count, double p)
 
 TEST(faults_chances)
 {
-    begin("drop=0.25", 1);
+    begin_alone("drop=0.25", 1);
     int n = received();
     check_binomial("drop=0.25: frames lost", FRAMES - n, 0.25);
     check_int("and counted", (int64_t)faults.count[FAULTS_DROP], FRAMES - n);
-    begin("duplicate=0.1", 2);
+    begin_alone("duplicate=0.1", 2);
     check_binomial("duplicate=0.1: frames more", received() - FRAMES, 0.1);
-    begin("repeat=0.1", 3);
+    begin_alone("repeat=0.1", 3);
     check_binomial("repeat=0.1: frames more", received() - FRAMES, 0.1);
-    begin("out.drop=1", 4);
+    begin_alone("out.drop=1", 4);
     check_int("out.drop=1 lets everything in", received(), FRAMES);
-    begin("in.drop=1", 4);
+    begin_alone("in.drop=1", 4);
     check_int("in.drop=1 lets nothing in", received(), 0);
 }
 
@@ -125,7 +125,7 @@ TEST(faults_damage)
     struct frame f, r;
     int seen[4] = {0}, taken[4] = {0}, cut[9] = {0};
     wire_encode(&scene, &heartbeat, &f);
-    begin("flip=1", 5);
+    begin_alone("flip=1", 5);
     for (int i = 0; i < FRAMES; i++) {
         far->send(far->context, &f);
         int n = faults.hal.recv(&faults, &r) == 1 ? changed_bits(&f, &r) : 0;
@@ -138,7 +138,7 @@ TEST(faults_damage)
     check_int("one wrong bit, taken", taken[1], 0);
     check_int("two wrong bits, taken", taken[2], 0);
     check_near("three wrong bits, taken", taken[3], seen[3] / 255.0, 5.0 * sqrt(seen[3] / 255.0));
-    begin("truncate=1", 6);
+    begin_alone("truncate=1", 6);
     for (int i = 0; i < FRAMES; i++) {
         far->send(far->context, &f);
         if (faults.hal.recv(&faults, &r) == 1 && r.length <= 8)
@@ -153,13 +153,13 @@ TEST(faults_times)
 {
     uint32_t got[64];
     int wrong = 0, n;
-    begin("delay=1:7", 7);
+    begin_alone("delay=1:7", 7);
     for (uint32_t i = 0; i < 500; i++) {
         n = exchange(i, got);
         wrong += i < 7 ? n != 0 : n != 1 || got[0] != i - 7;
     }
     check_int("delay=1:7: frames that are not 7 late", wrong, 0);
-    begin("burst=10", 7);
+    begin_alone("burst=10", 7);
     for (uint32_t i = 0; i < 500; i++) {
         n = exchange(i, got);
         wrong += n != (i % 10 ? 0 : i ? 10 : 1);
@@ -167,14 +167,14 @@ TEST(faults_times)
             wrong += got[k] != i - (uint32_t)n + 1 + (uint32_t)k;
     }
     check_int("burst=10: not ten at a time in their order", wrong, 0);
-    begin("freeze@0.02:0.06", 7);
+    begin_alone("freeze@0.02:0.06", 7);
     for (uint32_t i = 0; i < 100; i++) {
         n = exchange(i, got);
         wrong += n != (i < 20 || i > 60 ? 1 : i < 60 ? 0 : 41);
         wrong += i == 60 && (got[0] != 20 || got[40] != 60);
     }
     check_int("freeze@0.02:0.06: not everything at 0.06", wrong, 0);
-    begin("reorder=0.2", 7);
+    begin_alone("reorder=0.2", 7);
     int after = 0;
     uint32_t last = 0;
     for (uint32_t i = 0; i < FRAMES; i++) {
@@ -192,29 +192,29 @@ TEST(faults_together)
 {
     uint32_t got[64];
     int wrong = 0, n;
-    begin("delay=1:7,reorder=1", 7);
+    begin_alone("delay=1:7,reorder=1", 7);
     for (uint32_t i = 0; i < 100; i++) {
         n = exchange(i, got);
         wrong += i < 8 ? n != 0 : n != 1 || got[0] != i - 8;
     }
     check_int("delay=1:7,reorder=1: frames that are not 8 late", wrong, 0);
-    begin("delay=1:7,duplicate=1", 7);
+    begin_alone("delay=1:7,duplicate=1", 7);
     for (uint32_t i = 0; i < 100; i++) {
         n = exchange(i, got);
         wrong += i < 7 ? n != 0 : n != 2 || got[0] != i - 7 || got[1] != i - 7;
     }
     check_int("delay=1:7,duplicate=1: frames that are not twice 7 late", wrong, 0);
-    begin("delay=1:30,freeze@0.02:0.04", 7);
+    begin_alone("delay=1:30,freeze@0.02:0.04", 7);
     for (uint32_t i = 0; i < 100; i++) {
         n = exchange(i, got);
         wrong += i < 30 ? n != 0 : n != 1 || got[0] != i - 30;
     }
     check_int("delay=1:30,freeze@0.02:0.04: frames that are not 30 late", wrong, 0);
-    begin("drop=0,drop=0.1@0.01:0.02,drop=1@0.02:0.04,drop=0.1", 7);
+    begin_alone("drop=0,drop=0.1@0.01:0.02,drop=1@0.02:0.04,drop=0.1", 7);
     for (uint32_t i = 0; i < 60; i++)
         wrong += exchange(i, got) != 0 && i >= 20 && i < 40;
     check_int("a worse time in a bad link: frames that came in it", wrong, 0);
-    begin("freeze@0.02:0.04,freeze@0.03:0.06,burst=5,burst=20", 7);
+    begin_alone("freeze@0.02:0.04,freeze@0.03:0.06,burst=5,burst=20", 7);
     static const int every_20[] = {1, 19, 10, 31, 20}; /* frames 0; 1 to 19; 20 to 29; 30 to 60; 61 to 80 */
     for (uint32_t i = 0; i <= 80; i++)
         wrong += exchange(i, got) != (i % 20 ? 0 : every_20[i / 20]);
@@ -226,7 +226,7 @@ TEST(faults_bus_off)
     struct frame f = numbered(1), r;
     uint32_t got[64];
     int n = 0, refused = 0, reports = 0;
-    begin("bus-off@0.01:0.02", 8);
+    begin_alone("bus-off@0.01:0.02", 8);
     for (uint32_t i = 0; i < 40; i++) {
         int fault = faults.report;
         reports += fault == HAL_BUS_OFF && faults.hal.recv(&faults, &r) == -HAL_BUS_OFF;
@@ -244,7 +244,7 @@ TEST(faults_refuse)
     struct frame f = numbered(1), r;
     const struct hal *far = &wires.port[FAR].hal;
     int taken = 0, arrived = 0;
-    begin("refuse=0.5", 9);
+    begin_alone("refuse=0.5", 9);
     for (int i = 0; i < FRAMES; i++) {
         taken += faults.hal.send(&faults, &f) == 1;
         arrived += far->recv(far->context, &r) == 1;
@@ -252,7 +252,7 @@ TEST(faults_refuse)
     check_binomial("refuse=0.5: sends without room", FRAMES - taken, 0.5);
     check_int("what was taken arrives", arrived, taken);
     /* A device without room keeps what was delayed, in order. */
-    begin("out.delay=1:2", 9);
+    begin_alone("out.delay=1:2", 9);
     wires.port[NEAR].tx_limit = 1;
     int wrong = 0;
     uint32_t next = 0;
@@ -274,7 +274,7 @@ TEST(faults_refuse)
 static uint32_t digest(const char *list, uint64_t seed)
 {
     uint32_t got[64], crc = 0;
-    begin(list, seed);
+    begin_alone(list, seed);
     for (uint32_t i = 0; i < 2000; i++) {
         int n = exchange(i, got);
         crc = wire_crc32(crc, (const uint8_t *)got, n * (int)sizeof got[0]);
@@ -295,12 +295,12 @@ TEST(faults_seed)
 TEST(faults_queue)
 {
     uint32_t got[64];
-    begin("freeze@0:60", 10);
+    begin_alone("freeze@0:60", 10);
     for (uint32_t i = 0; i < FAULTS_QUEUE + 100; i++)
         (void)exchange(i, got);
     struct frame r;
     check_int("frames that found the queue full", (int64_t)faults.lost, 100);
-    begin("freeze@0:60", 10);
+    begin_alone("freeze@0:60", 10);
     for (uint32_t i = 0; i < FAULTS_QUEUE; i++)
         (void)exchange(i, got);
     struct frame f = numbered(0);

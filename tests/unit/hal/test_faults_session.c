@@ -10,13 +10,12 @@
 
 enum {
     SEEDS = 1000,
-    TICKS = 16,
     BEGIN = 40,    /* frames, of the faults */
     UNTIL = 200,   /* their end, as in the lists below */
     SETTLED = 420, /* a held frame, the time-out and the age limit have passed */
     END = 520,
     TUNINGS = 64, /* parameter sets that the controller goes through */
-    FRAMES = 16384,
+    SESSION_FRAMES = 16384,
     INSTANTS = 8 /* fires that one frame may see */
 };
 
@@ -28,8 +27,8 @@ static struct faults faults;
 struct tap {
     struct hal hal, inner;
     struct wire_scene scene;
-    double sample[FRAMES]; /* the last good one that names this frame */
-    int forged;            /* samples that were damaged without their CRC knowing */
+    double sample[SESSION_FRAMES]; /* the last good one that names this frame */
+    int forged;                    /* samples that were damaged without their CRC knowing */
     uint64_t fire_tick[INSTANTS];
     int n_fires; /* that came in since the last look */
     uint32_t received, crc, length;
@@ -56,7 +55,7 @@ static void note_frame(struct tap *t, const struct frame *f)
         t->fire_tick[t->n_fires++] = (uint64_t)m.value[FIRE_TICK];
     if (status == WIRE_OK && m.kind == WIRE_STREAM + RIG_FORCE) {
         uint64_t frame = (uint64_t)m.value[STREAM_FRAME];
-        t->sample[frame % FRAMES] = m.value[STREAM_SAMPLE];
+        t->sample[frame % SESSION_FRAMES] = m.value[STREAM_SAMPLE];
         t->forged += m.value[STREAM_SAMPLE] != sample_of(frame);
     }
 }
@@ -105,7 +104,7 @@ static void tap_healthy(void *context)
 }
 
 /* A session over a link with these faults; the app speaks with the tap. */
-static void begin(const char *list, uint64_t seed)
+static void begin_session(const char *list, uint64_t seed)
 {
     const struct app_config c = bus_config();
     char why[FAULT_LIST_REASON] = "";
@@ -146,10 +145,10 @@ static void command(int frame)
 {
     uint64_t tick = bus.app.plant.now.tick;
     bus_enable(&bus, true);
-    bus_stream(&bus, RIG_FORCE, tick / TICKS + 2, sample_of(tick / TICKS + 2));
+    bus_stream(&bus, RIG_FORCE, tick / BUS_TICKS + 2, sample_of(tick / BUS_TICKS + 2));
     if (frame % 16 == 3) {
         bus_drive(&bus, RIG_BASE, 1e-7, 150.0, 0.0, 0.0);
-        bus_fire(&bus, 1 << RIG_BASE, false, tick + 4 * TICKS + 5, 0);
+        bus_fire(&bus, 1 << RIG_BASE, false, tick + 4 * BUS_TICKS + 5, 0);
     }
     if (frame % 8 == 5)
         tune(frame / 8 % TUNINGS);
@@ -178,7 +177,7 @@ static int instants_in(uint64_t tick)
 {
     int n = 0;
     for (int i = 0; i < tap.n_fires; i++)
-        n += tap.fire_tick[i] / TICKS == tick / TICKS;
+        n += tap.fire_tick[i] / BUS_TICKS == tick / BUS_TICKS;
     return n;
 }
 
@@ -211,11 +210,11 @@ static void one_frame(struct verdict *v)
     bus_silent(&bus, 1);
     v->not_finite += !isfinite(a->plant.x[0]) || !isfinite(a->plant.x[1]);
     v->wrong_time += a->frame != frame + 1;
-    v->wrong_time += a->plant.now.tick != tick + (a->state == STATE_RUNNING ? TICKS : 0);
+    v->wrong_time += a->plant.now.tick != tick + (a->state == STATE_RUNNING ? BUS_TICKS : 0);
     v->torn += is_torn(a);
     double force = a->plant.drive[RIG_FORCE].sample * a->plant.scale.force_N;
     if (a->count[DIAG_STREAM_APPLIED] != streamed)
-        v->wrong_sample += fabs(force - tap.sample[tick / TICKS % FRAMES]) > 1e-9;
+        v->wrong_sample += fabs(force - tap.sample[tick / BUS_TICKS % SESSION_FRAMES]) > 1e-9;
     v->wrong_fire += (int)(a->count[DIAG_FIRE_APPLIED] - fired) > instants_in(tick);
     forget_fires(a->plant.now.tick);
     v->told += bus.n_seen;
@@ -278,7 +277,7 @@ TEST(faults_thousand_seeds)
     for (unsigned seed = 1; seed <= SEEDS; seed++) {
         char list[512];
         make_list(list, sizeof list, seed);
-        begin(list, seed);
+        begin_session(list, seed);
         bus_enable(&bus, true);
         bus_order(&bus, CONTROL_START);
         tune(0);
@@ -320,7 +319,7 @@ TEST(faults_thousand_seeds)
 /* A short session; how many calls of recv and send it made. */
 static int short_session(int fail, int failure, struct verdict *v)
 {
-    begin("", 1);
+    begin_session("", 1);
     tap.fail = fail;
     tap.failure = failure;
     bus_enable(&bus, true);
@@ -379,7 +378,7 @@ static void stall(const char *list)
 {
     struct app *a = &bus.app;
     struct verdict v = {0};
-    begin(list, 1);
+    begin_session(list, 1);
     bus_enable(&bus, true);
     bus_order(&bus, CONTROL_START);
     tune(0);

@@ -17,15 +17,17 @@ static const uint8_t golden[ETHERNET_MIN] = {
     0xC0, 0x00, 0x02, 0x07, 0xC0, 0x00, 0x02, 0x0F,                                     /* from, to */
     0x4E, 0x21, 0x4E, 0x20, 0x00, 0x14, 0xE8, 0x9B,                                     /* UDP */
     0x02, 0x00, 0x07, 0x00, 0x01, 0x00, 0x00, 0x02, 0x41, 0x02, 0xAB, 0xCD};
-static const struct ipv4_host plant = {{0x52, 0x54, 0x00, 0x12, 0x34, 0x56}, {{192, 0, 2, 15}, {0x4E, 0x20}}};
-static const struct ipv4_host bench = {{0x52, 0x55, 0x00, 0x00, 0x02, 0x02}, {{192, 0, 2, 7}, {0x4E, 0x21}}};
+static const struct ipv4_host plant_host = {{0x52, 0x54, 0x00, 0x12, 0x34, 0x56},
+                                            {{192, 0, 2, 15}, {0x4E, 0x20}}};
+static const struct ipv4_host bench_host = {{0x52, 0x55, 0x00, 0x00, 0x02, 0x02},
+                                            {{192, 0, 2, 7}, {0x4E, 0x21}}};
 
 /* Parses a copy that ends where the frame ends: an address sanitizer sees any read beyond. */
-static enum ipv4_verdict parse(const uint8_t *frame, size_t n, struct ipv4_packet *out)
+static enum ipv4_verdict parse_frame(const uint8_t *frame, size_t n, struct ipv4_packet *out)
 {
     uint8_t *copy = malloc(n ? n : 1);
     memcpy(copy, frame, n);
-    enum ipv4_verdict verdict = ipv4_parse(&plant, copy, n, out);
+    enum ipv4_verdict verdict = ipv4_parse(&plant_host, copy, n, out);
     if (verdict == IPV4_DATAGRAM) /* the payload lies inside what arrived; show the caller's bytes */
         out->payload = out->payload + out->n_payload <= copy + n ? frame + (out->payload - copy) : NULL;
     free(copy);
@@ -66,35 +68,36 @@ TEST(ipv4_datagram)
     struct ipv4_packet p;
     uint8_t frame[ETHERNET_MAX], payload[IPV4_PAYLOAD_MAX];
     memset(frame, 0xEE, sizeof frame);
-    check_int("the frame is a datagram", parse(golden, sizeof golden, &p), IPV4_DATAGRAM);
-    check_int("without its padding too", parse(golden, DATAGRAM, &p), IPV4_DATAGRAM);
-    check_int("sender's Ethernet address differs", memcmp(p.mac, bench.mac, sizeof p.mac), 0);
-    check_int("sender's end differs", memcmp(&p.from, &bench.end, sizeof p.from), 0);
+    check_int("the frame is a datagram", parse_frame(golden, sizeof golden, &p), IPV4_DATAGRAM);
+    check_int("without its padding too", parse_frame(golden, DATAGRAM, &p), IPV4_DATAGRAM);
+    check_int("sender's Ethernet address differs", memcmp(p.mac, bench_host.mac, sizeof p.mac), 0);
+    check_int("sender's end differs", memcmp(&p.from, &bench_host.end, sizeof p.from), 0);
     check_int("payload begins at", p.payload - golden, AT_PAYLOAD);
     check_int("payload bytes", (int64_t)p.n_payload, DATAGRAM - AT_PAYLOAD);
-    size_t n = ipv4_build(&bench, plant.mac, &plant.end, golden + AT_PAYLOAD, DATAGRAM - AT_PAYLOAD, frame);
+    size_t n = ipv4_build(&bench_host, plant_host.mac, &plant_host.end, golden + AT_PAYLOAD,
+                          DATAGRAM - AT_PAYLOAD, frame);
     check_int("bytes built", (int64_t)n, sizeof golden);
     check_int("bytes that differ", memcmp(frame, golden, sizeof golden), 0);
     for (size_t i = 0; i < sizeof payload; i++)
         payload[i] = (uint8_t)(37 * i + i / 256);
     int64_t lost = 0, longest = 0;
     for (size_t i = 0; i <= sizeof payload; i++) {
-        n = ipv4_build(&bench, plant.mac, &plant.end, payload, i, frame);
+        n = ipv4_build(&bench_host, plant_host.mac, &plant_host.end, payload, i, frame);
         longest = (int64_t)n;
-        lost +=
-            parse(frame, n, &p) != IPV4_DATAGRAM || p.n_payload != i || memcmp(p.payload, payload, i) != 0;
+        lost += parse_frame(frame, n, &p) != IPV4_DATAGRAM || p.n_payload != i ||
+                memcmp(p.payload, payload, i) != 0;
     }
     check_int("datagrams of 0 to 1472 bytes that do not come through", lost, 0);
     check_int("the longest frame", longest, ETHERNET_MAX);
     /* a checksum that comes out as 0 is sent as ffff: 0 would mean that there is none */
-    n = ipv4_build(&bench, plant.mac, &plant.end, golden + AT_UDP + 6, 2, frame);
+    n = ipv4_build(&bench_host, plant_host.mac, &plant_host.end, golden + AT_UDP + 6, 2, frame);
     uint32_t sum = (uint32_t)frame[AT_UDP + 6] << 8 | frame[AT_UDP + 7];
     uint32_t word = ((uint32_t)golden[AT_UDP + 6] << 8 | golden[AT_UDP + 7]) + sum;
     word = (word & 0xFFFF) + (word >> 16);
     const uint8_t zero[] = {(uint8_t)(word >> 8), (uint8_t)word};
-    n = ipv4_build(&bench, plant.mac, &plant.end, zero, 2, frame);
+    n = ipv4_build(&bench_host, plant_host.mac, &plant_host.end, zero, 2, frame);
     check_hex("a checksum of zero", (uint64_t)frame[AT_UDP + 6] << 8 | frame[AT_UDP + 7], 0xFFFF);
-    check_int("is accepted", parse(frame, n, &p), IPV4_DATAGRAM);
+    check_int("is accepted", parse_frame(frame, n, &p), IPV4_DATAGRAM);
 }
 
 static void spoiled(const char *name, size_t at, uint8_t value, enum ipv4_verdict verdict)
@@ -105,7 +108,7 @@ static void spoiled(const char *name, size_t at, uint8_t value, enum ipv4_verdic
     frame[at] = value;
     if (verdict != IPV4_BAD_CHECKSUM)
         mend(frame);
-    check_int(name, parse(frame, sizeof golden, &p), verdict);
+    check_int(name, parse_frame(frame, sizeof golden, &p), verdict);
 }
 
 TEST(ipv4_refused)
@@ -140,7 +143,7 @@ TEST(ipv4_refused)
     struct ipv4_packet p;
     memcpy(frame, golden, sizeof golden);
     memset(frame + AT_UDP + 6, 0, 2);
-    check_int("no UDP checksum", parse(frame, sizeof frame, &p), IPV4_NO_UDP_CHECKSUM);
+    check_int("no UDP checksum", parse_frame(frame, sizeof frame, &p), IPV4_NO_UDP_CHECKSUM);
 }
 
 TEST(ipv4_truncated)
@@ -148,11 +151,11 @@ TEST(ipv4_truncated)
     struct ipv4_packet p;
     int64_t taken = 0;
     for (size_t n = 0; n < DATAGRAM; n++)
-        taken += parse(golden, n, &p) == IPV4_DATAGRAM;
+        taken += parse_frame(golden, n, &p) == IPV4_DATAGRAM;
     check_int("truncated frames taken", taken, 0);
-    check_int("cut inside the Ethernet header", parse(golden, 13, &p), IPV4_OTHER);
-    check_int("cut inside the IPv4 header", parse(golden, 33, &p), IPV4_BAD_HEADER);
-    check_int("cut inside the payload", parse(golden, DATAGRAM - 1, &p), IPV4_BAD_HEADER);
+    check_int("cut inside the Ethernet header", parse_frame(golden, 13, &p), IPV4_OTHER);
+    check_int("cut inside the IPv4 header", parse_frame(golden, 33, &p), IPV4_BAD_HEADER);
+    check_int("cut inside the payload", parse_frame(golden, DATAGRAM - 1, &p), IPV4_BAD_HEADER);
 }
 
 /* A frame with three bytes spoilt is refused, or says what the good one said: the checksums let one error in
@@ -172,7 +175,7 @@ TEST(ipv4_random)
         size_t n = (random >> 4) % (sizeof golden + 1);
         if (n >= AT_UDP && i % 2)
             put_sum(frame + AT_SUM, ipv4_sum(0, frame + AT_IP, 10) + ipv4_sum(0, frame + AT_SUM + 2, 8));
-        if (parse(frame, n, &p) == IPV4_DATAGRAM) {
+        if (parse_frame(frame, n, &p) == IPV4_DATAGRAM) {
             datagrams++;
             outside += !p.payload || p.payload < frame + AT_PAYLOAD || p.payload + p.n_payload > frame + n;
         }
@@ -199,7 +202,7 @@ static void spoiled_arp(const char *name, size_t at, uint8_t value)
     struct ipv4_packet p;
     memcpy(frame, request, sizeof request);
     frame[at] = value;
-    check_int(name, parse(frame, sizeof frame, &p), IPV4_OTHER);
+    check_int(name, parse_frame(frame, sizeof frame, &p), IPV4_OTHER);
 }
 
 TEST(ipv4_arp)
@@ -207,16 +210,16 @@ TEST(ipv4_arp)
     struct ipv4_packet p;
     uint8_t frame[ETHERNET_MAX];
     memset(frame, 0xEE, sizeof frame);
-    check_int("a request for us", parse(request, sizeof request, &p), IPV4_ARP_REQUEST);
-    check_int("bytes of the answer", (int64_t)ipv4_build_arp_reply(&plant, &p, frame), ETHERNET_MIN);
+    check_int("a request for us", parse_frame(request, sizeof request, &p), IPV4_ARP_REQUEST);
+    check_int("bytes of the answer", (int64_t)ipv4_build_arp_reply(&plant_host, &p, frame), ETHERNET_MIN);
     check_int("that differ from RFC 826", memcmp(frame, reply, sizeof reply), 0);
     memset(frame, 0xEE, sizeof frame);
-    check_int("bytes of a request", (int64_t)ipv4_build_arp_request(&bench, plant.end.address, frame),
-              ETHERNET_MIN);
+    check_int("bytes of a request",
+              (int64_t)ipv4_build_arp_request(&bench_host, plant_host.end.address, frame), ETHERNET_MIN);
     check_int("that differ from RFC 826", memcmp(frame, request, sizeof request), 0);
-    check_int("an answer", ipv4_parse(&bench, reply, sizeof reply, &p), IPV4_ARP_REPLY);
-    check_int("tells the Ethernet address", memcmp(p.mac, plant.mac, sizeof p.mac), 0);
-    check_int("of the address", memcmp(p.from.address, plant.end.address, sizeof p.from.address), 0);
+    check_int("an answer", ipv4_parse(&bench_host, reply, sizeof reply, &p), IPV4_ARP_REPLY);
+    check_int("tells the Ethernet address", memcmp(p.mac, plant_host.mac, sizeof p.mac), 0);
+    check_int("of the address", memcmp(p.from.address, plant_host.end.address, sizeof p.from.address), 0);
     spoiled_arp("for somebody else", 41, 16);
     spoiled_arp("of another network", 15, 6);
     spoiled_arp("of another protocol", 16, 0x86);
@@ -225,6 +228,6 @@ TEST(ipv4_arp)
     spoiled_arp("from a group of stations", 22, 0x53);
     int64_t taken = 0;
     for (size_t n = 0; n < 42; n++)
-        taken += parse(request, n, &p) != IPV4_OTHER;
+        taken += parse_frame(request, n, &p) != IPV4_OTHER;
     check_int("truncated requests taken", taken, 0);
 }

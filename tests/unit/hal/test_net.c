@@ -88,12 +88,12 @@ static void open_resolved(void)
     check_true("resolved", net_resolve(&bench, false));
 }
 
-static int take(struct net *n, struct frame *f)
+static int take_from(struct net *n, struct frame *f)
 {
     return n->hal.recv(n->hal.context, f);
 }
 
-static void give(struct net *n, const struct frame *f, int count)
+static void give_to(struct net *n, const struct frame *f, int count)
 {
     for (int i = 0; i < count; i++)
         n->hal.send(n->hal.context, &f[i]);
@@ -121,21 +121,21 @@ TEST(net_resolve)
 {
     struct frame got;
     open_both();
-    give(&plant, packet_frame, 1);
+    give_to(&plant, packet_frame, 1);
     flush(&plant);
     check_int("a packet for three peers not known", plant.unresolved, 3);
     check_int("makes three requests", bench_end.n, 3);
-    give(&bench, packet_frame, 1);
-    check_int("a peer that is asked answers", take(&bench, &got), 0);
+    give_to(&bench, packet_frame, 1);
+    check_int("a peer that is asked answers", take_from(&bench, &got), 0);
     check_int("two requests for its address", bench.verdict[IPV4_ARP_REQUEST], 2);
     check_int("and one for another", bench.verdict[IPV4_OTHER], 1);
     check_true("and has learnt who asked", bench.known[0]);
-    check_int("the answers bring no command", take(&plant, &got), 0);
+    check_int("the answers bring no command", take_from(&plant, &got), 0);
     check_int("answers", plant.verdict[IPV4_ARP_REPLY], 2);
     check_true("two peers are known", plant.known[0] && plant.known[1] && !plant.known[2]);
     int before = bench_end.n;
     for (int i = 0; i < NET_ASK_EVERY; i++) {
-        give(&plant, packet_frame, 1);
+        give_to(&plant, packet_frame, 1);
         flush(&plant);
     }
     check_int("a packet goes to both, and one request in 100 flushes", bench_end.n - before,
@@ -146,7 +146,7 @@ TEST(net_resolve)
     uint8_t frame[ETHERNET_MAX];
     moved.mac[5] = 9;
     put(&plant_end, frame, ipv4_build_arp_request(&moved, plant_config.self.end.address, frame));
-    check_int("a request from a new card", take(&plant, &got), 0);
+    check_int("a request from a new card", take_from(&plant, &got), 0);
     check_int("is believed", plant.mac[0][5], 9);
 }
 
@@ -154,20 +154,20 @@ TEST(net_exchange)
 {
     struct frame got;
     open_resolved();
-    check_int("nothing waits", take(&plant, &got), 0);
-    give(&bench, packet_frame, PACKET_FRAMES);
-    check_int("nothing goes before flush", take(&plant, &got), 0);
+    check_int("nothing waits", take_from(&plant, &got), 0);
+    give_to(&bench, packet_frame, PACKET_FRAMES);
+    check_int("nothing goes before flush", take_from(&plant, &got), 0);
     flush(&bench);
     for (int i = 0; i < PACKET_FRAMES; i++)
         check_true("a frame arrives in order",
-                   take(&plant, &got) == 1 && packet_same(&got, &packet_frame[i]));
-    check_int("and no more", take(&plant, &got), 0);
+                   take_from(&plant, &got) == 1 && packet_same(&got, &packet_frame[i]));
+    check_int("and no more", take_from(&plant, &got), 0);
     check_int("in one packet", plant.packets_received, 1);
-    give(&plant, packet_frame, 1);
+    give_to(&plant, packet_frame, 1);
     flush(&plant);
-    check_int("the answer arrives", take(&bench, &got), 1);
+    check_int("the answer arrives", take_from(&bench, &got), 1);
     check_true("the answer arrives", packet_same(&got, &packet_frame[0]));
-    check_int("the packet for the other port is none of ours", take(&bench, &got), 0);
+    check_int("the packet for the other port is none of ours", take_from(&bench, &got), 0);
     check_int("counted", bench.verdict[IPV4_OTHER], 2); /* the first was the request for 192.0.2.99 */
     flush(&plant);
     check_int("an empty flush sends nothing", plant.packets_sent, 1);
@@ -175,12 +175,12 @@ TEST(net_exchange)
     int64_t in_order = 0;
     for (int i = 0; i < 120; i++) {
         f.data[0] = (uint8_t)i;
-        give(&bench, &f, 1);
+        give_to(&bench, &f, 1);
     }
     check_int("a full packet goes by itself", bench.packets_sent, 2);
     flush(&bench);
     for (int i = 0; i < 120; i++)
-        in_order += take(&plant, &got) == 1 && got.data[0] == (uint8_t)i;
+        in_order += take_from(&plant, &got) == 1 && got.data[0] == (uint8_t)i;
     check_int("frames that arrive in order", in_order, 120);
 }
 
@@ -198,25 +198,25 @@ TEST(net_strangers)
     int answers = bench_end.n;
     stranger.end.port[1] = 0x99;
     send_as(&stranger, packet_golden, sizeof packet_golden);
-    check_int("a stranger's port is foreign", take(&plant, &got), -HAL_FOREIGN);
+    check_int("a stranger's port is foreign", take_from(&plant, &got), -HAL_FOREIGN);
     stranger = bench_config.self;
     stranger.end.address[3] = 8;
     send_as(&stranger, packet_golden, sizeof packet_golden);
-    check_int("a stranger's address is foreign", take(&plant, &got), -HAL_FOREIGN);
+    check_int("a stranger's address is foreign", take_from(&plant, &got), -HAL_FOREIGN);
     check_int("counted", plant.foreign, 2);
     send_as(&bench_config.self, packet_golden, sizeof packet_golden - 1);
-    check_int("a peer's bad packet is refused", take(&plant, &got), -HAL_FOREIGN);
+    check_int("a peer's bad packet is refused", take_from(&plant, &got), -HAL_FOREIGN);
     send_as(&bench_config.self, packet_golden, 0);
-    check_int("an empty datagram is refused", take(&plant, &got), -HAL_FOREIGN);
+    check_int("an empty datagram is refused", take_from(&plant, &got), -HAL_FOREIGN);
     check_int("counted on their own", plant.malformed, 2);
     send_as(&bench_config.self, packet_golden, sizeof packet_golden);
     plant_end.frame[plant_end.n - 1][50] ^= 1;
-    check_int("a damaged datagram is refused", take(&plant, &got), -HAL_FOREIGN);
+    check_int("a damaged datagram is refused", take_from(&plant, &got), -HAL_FOREIGN);
     check_int("counted by its verdict", plant.verdict[IPV4_BAD_UDP_CHECKSUM], 1);
     plant_end.fault = HAL_DROPPED;
     send_as(&bench_config.self, packet_golden, sizeof packet_golden);
-    check_int("the controller's faults are passed on", take(&plant, &got), -HAL_DROPPED);
-    check_int("a good one is taken after all that", take(&plant, &got), 1);
+    check_int("the controller's faults are passed on", take_from(&plant, &got), -HAL_DROPPED);
+    check_int("a good one is taken after all that", take_from(&plant, &got), 1);
     check_int("nobody got an answer", bench_end.n - answers, 0);
 }
 
@@ -227,13 +227,13 @@ TEST(net_full)
     open_resolved();
     int before = bench_end.n;
     plant_end.room = 1;
-    give(&plant, packet_frame, 1);
+    give_to(&plant, packet_frame, 1);
     flush(&plant);
     check_int("the first peer has it", bench_end.n - before, 1);
     check_int("no room while a peer waits", plant.hal.send(&plant, &packet_frame[1]), 0);
     check_int("refused", plant.refused, 2);
     plant_end.room = 1 << 20;
-    give(&plant, &packet_frame[1], 1);
+    give_to(&plant, &packet_frame[1], 1);
     flush(&plant);
     check_int("then the second gets it, and both the next", bench_end.n - before, 4);
     check_int("packets", plant.packets_sent, 2);
@@ -254,10 +254,10 @@ TEST(net_flood)
         put(&plant_end, frame, n);
     send_as(&bench_config.self, packet_golden, sizeof packet_golden);
     flush(&plant);
-    check_int("a storm of requests brings no command", take(&plant, &got), 0);
+    check_int("a storm of requests brings no command", take_from(&plant, &got), 0);
     check_int("frames passed over in one turn", plant_end.first, NET_TURN);
-    check_int("the command behind it is found by the next", take(&plant, &got), 1);
-    while (take(&plant, &got) == 1)
+    check_int("the command behind it is found by the next", take_from(&plant, &got), 1);
+    while (take_from(&plant, &got) == 1)
         ; /* the rest of its packet */
     struct ipv4_host stranger = bench_config.self;
     stranger.end.port[1] = 0x99;
@@ -267,7 +267,7 @@ TEST(net_flood)
     for (int turn = 0; turn < 2; turn++) {
         int calls = 0;
         flush(&plant);
-        while (take(&plant, &got) == -HAL_FOREIGN && calls < 10 * NET_TURN)
+        while (take_from(&plant, &got) == -HAL_FOREIGN && calls < 10 * NET_TURN)
             calls++;
         check_int("datagrams of a stranger without end, in one turn", calls, NET_TURN);
     }

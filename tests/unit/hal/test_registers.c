@@ -43,7 +43,7 @@ TEST(registers_widths)
 
 /* ---- Kvaser cards ---- */
 
-enum { SLOTS = 32, SLOT_WORDS = 0x8000 / 4, WINDOW_WORDS = 0x4000 / 4 };
+enum { KVASER_SLOTS = 32, KVASER_SLOT_WORDS = 0x8000 / 4, WINDOW_WORDS = 0x4000 / 4 };
 static const uint32_t card = 0x840610E8u, other = 0x100E8086u;
 
 /* Two cards in slots 3 and 31, another device in slot 2: the ranges of card i at (i + 1) 0x1000, first the
@@ -51,17 +51,17 @@ static const uint32_t card = 0x840610E8u, other = 0x100E8086u;
 TEST(registers_kvaser)
 {
     static uint32_t io[WINDOW_WORDS];
-    uint32_t *config = calloc(SLOTS, SLOT_WORDS * sizeof *config);
+    uint32_t *config = calloc(KVASER_SLOTS, KVASER_SLOT_WORDS * sizeof *config);
     struct registers sja1000 = {0, NULL, NULL};
     check_true("memory", config != NULL);
     if (!config)
         return;
     memset(io, 0, sizeof io);
     check_true("an empty bus has none", !kvaser_pci_open(0, (uintptr_t)config, (uintptr_t)io, &sja1000));
-    config[2 * SLOT_WORDS] = other;
-    config[3 * SLOT_WORDS] = config[31 * SLOT_WORDS] = card;
+    config[2 * KVASER_SLOT_WORDS] = other;
+    config[3 * KVASER_SLOT_WORDS] = config[31 * KVASER_SLOT_WORDS] = card;
     for (uint32_t i = 0; i < 2; i++) {
-        const uint32_t *space = config + (i ? 31 : 3) * SLOT_WORDS, at = (i + 1) * 0x1000;
+        const uint32_t *space = config + (i ? 31 : 3) * KVASER_SLOT_WORDS, at = (i + 1) * 0x1000;
         check_true("a card", kvaser_pci_open((int)i, (uintptr_t)config, (uintptr_t)io, &sja1000));
         check_hex("the bridge's range", space[0x10 / 4], at);
         check_hex("the controllers'", space[0x14 / 4], at + 0x100);
@@ -73,6 +73,6 @@ TEST(registers_kvaser)
         check_hex("the controller's registers are bytes side by side", io[(at + 0x104) / 4], 0xEE00);
     }
     check_true("there is no third", !kvaser_pci_open(2, (uintptr_t)config, (uintptr_t)io, &sja1000));
-    check_hex("another device is left alone", config[2 * SLOT_WORDS + 1], 0);
+    check_hex("another device is left alone", config[2 * KVASER_SLOT_WORDS + 1], 0);
     free(config);
 }

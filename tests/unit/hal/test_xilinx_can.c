@@ -4,25 +4,23 @@
 #include "tests/unit/test.h"
 #include "tests/device/xilinx_model.h"
 
-static struct xilinx_model *const m = &xilinx_model;
-
 TEST(xilinx_can_registers)
 {
     struct can_config c = {.timing = {10, 7, 2, 1}, .base_id = 0x200, .now_us = can_device_now};
     can_device_check("1 Mbit/s of 100 MHz", xilinx_device.open(&c));
-    check_hex("BRPR: divide by 10", m->prescaler, 9);
-    check_hex("BTR: jump 1, segments 7 and 2", m->timing, 0x016);
-    check_hex("MSR: normal mode", m->mode, 0);
-    check_hex("interrupts", m->enabled, 0);
-    check_hex("filter 1 is in use, no other", m->filters, 1);
-    check_hex("it compares 5 identifier bits, remote, format", m->mask[0], 0xF8180000);
-    check_hex("with", m->id[0], 0x40000000);
+    check_hex("BRPR: divide by 10", xilinx_model.prescaler, 9);
+    check_hex("BTR: jump 1, segments 7 and 2", xilinx_model.timing, 0x016);
+    check_hex("MSR: normal mode", xilinx_model.mode, 0);
+    check_hex("interrupts", xilinx_model.enabled, 0);
+    check_hex("filter 1 is in use, no other", xilinx_model.filters, 1);
+    check_hex("it compares 5 identifier bits, remote, format", xilinx_model.mask[0], 0xF8180000);
+    check_hex("with", xilinx_model.id[0], 0x40000000);
     c.extended = true;
     c.base_id = 0x18DAF140;
     can_device_check("29 bits", xilinx_device.open(&c));
-    check_hex("it compares 23 identifier bits, format, remote", m->mask[0], 0xFFFFFF81);
-    check_hex("with", m->id[0], 0xC6DDE280);
-    check_int("accesses that UG1087 forbids", m->illegal, 0);
+    check_hex("it compares 23 identifier bits, format, remote", xilinx_model.mask[0], 0xFFFFFF81);
+    check_hex("with", xilinx_model.id[0], 0xC6DDE280);
+    check_int("accesses that UG1087 forbids", xilinx_model.illegal, 0);
 }
 
 /* Words of UG1085: 11-bit identifier 0x123 is 0x24600000, byte 0 the highest. */
@@ -36,12 +34,12 @@ TEST(xilinx_can_words)
     xilinx_device.open(&can_device_config);
     xilinx_driver.hal.send(&xilinx_driver, &f);
     xilinx_driver.hal.send(&xilinx_driver, &g);
-    check_hex("identifier word", m->tx[0][0], 0x24600000);
-    check_hex("length word", m->tx[0][1], 0x80000000);
-    check_hex("bytes 0 to 3", m->tx[0][2], 0x11223344);
-    check_hex("bytes 4 to 7", m->tx[0][3], 0x55667788);
-    check_hex("identifier word of 29 bits", m->tx[1][0], 0xAABAAAAA);
-    check_hex("two bytes", m->tx[1][2], 0xABCD0000);
+    check_hex("identifier word", xilinx_model.tx[0][0], 0x24600000);
+    check_hex("length word", xilinx_model.tx[0][1], 0x80000000);
+    check_hex("bytes 0 to 3", xilinx_model.tx[0][2], 0x11223344);
+    check_hex("bytes 4 to 7", xilinx_model.tx[0][3], 0x55667788);
+    check_hex("identifier word of 29 bits", xilinx_model.tx[1][0], 0xAABAAAAA);
+    check_hex("two bytes", xilinx_model.tx[1][2], 0xABCD0000);
     xilinx_device.arrive(&w);
     check_int("a frame arrives", xilinx_driver.hal.recv(&xilinx_driver, &got), 1);
     check_hex("with its time stamp", xilinx_driver.received_stamp, 0x1234);
@@ -50,16 +48,16 @@ TEST(xilinx_can_words)
 TEST(xilinx_can_start)
 {
     struct frame f = {.id = 0x250, .length = 8};
-    m->filter_busy = true;
+    xilinx_model.filter_busy = true;
     check_true("a filter that stays busy is told", xilinx_device.open(&can_device_config) != NULL);
-    m->filter_busy = false;
+    xilinx_model.filter_busy = false;
     can_device_check("the bus was idle after some looks", xilinx_device.open(&can_device_config));
-    check_int("looks left", m->joining, 0);
-    m->stuck = true;
+    check_int("looks left", xilinx_model.joining, 0);
+    xilinx_model.stuck = true;
     can_device_check("a bus that is not idle keeps nobody from starting",
                      xilinx_device.open(&can_device_config));
     check_int("but is told", xilinx_driver.hal.recv(&xilinx_driver, &f), -HAL_DOWN);
-    m->stuck = false;
+    xilinx_model.stuck = false;
     can_device_us += can_device_config.restart_us;
     check_int("and joined when it can be", xilinx_driver.hal.recv(&xilinx_driver, &f), 0);
     xilinx_device.idle();
@@ -78,7 +76,7 @@ TEST(xilinx_can_events)
     can_device_us += can_device_config.restart_us;
     check_int("restart", xilinx_driver.hal.recv(&xilinx_driver, &f), 0);
     xilinx_device.idle();
-    m->rx_stuck = true;
+    xilinx_model.rx_stuck = true;
     check_int("a FIFO that never seems empty gives nothing", xilinx_driver.hal.recv(&xilinx_driver, &f), 0);
     check_int("and is left after some looks", xilinx_driver.can.passed_over, CAN_PASS_OVER);
     check_int("while sending goes on", xilinx_driver.hal.send(&xilinx_driver, &f), 1);

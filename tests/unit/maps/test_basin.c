@@ -8,16 +8,16 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = 200 };
+enum { N_STARTS = 200 };
 
 /* ---- starts ---- */
 
-static const struct basin_box box = {{-1.0, 0.0, 5.0}, {1.0, 10.0, 5.0}};
+static const struct basin_box start_box = {{-1.0, 0.0, 5.0}, {1.0, 10.0, 5.0}};
 
 /* How many of the n strata of state k hold exactly one start. */
 static int single(const struct basin_starts *s, int k)
 {
-    int seen[N] = {0}, good = 0;
+    int seen[N_STARTS] = {0}, good = 0;
     for (int i = 0; i < s->n; i++) {
         double x[MODEL_STATES], side = s->box.high[k] - s->box.low[k];
         basin_starts_get(s, i, x);
@@ -46,12 +46,13 @@ TEST(basin_hypercube)
 {
     struct basin_starts a, b, c;
     double x[MODEL_STATES], y[MODEL_STATES], z[MODEL_STATES];
-    check_true("memory", basin_starts_make(&a, N, 3, 7, &box) && basin_starts_make(&b, N, 3, 7, &box) &&
-                             basin_starts_make(&c, N, 3, 8, &box));
-    check_int("strata of state 0 with one start each", single(&a, 0), N);
-    check_int("strata of state 1 with one start each", single(&a, 1), N);
+    check_true("memory", basin_starts_make(&a, N_STARTS, 3, 7, &start_box) &&
+                             basin_starts_make(&b, N_STARTS, 3, 7, &start_box) &&
+                             basin_starts_make(&c, N_STARTS, 3, 8, &start_box));
+    check_int("strata of state 0 with one start each", single(&a, 0), N_STARTS);
+    check_int("strata of state 1 with one start each", single(&a, 1), N_STARTS);
     check_below("states are drawn independently: |correlation|, 3 deviations", fabs(correlation(&a)),
-                3.0 / sqrt(N));
+                3.0 / sqrt(N_STARTS));
     basin_starts_get(&a, 123, x);
     basin_starts_get(&b, 123, y);
     basin_starts_get(&c, 123, z);

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STARTS = 120, SOME = 40, LINE = 200 };
+enum { MOTION_STARTS = 120, SOME_STARTS = 40, LINE = 200 };
 
 static const struct basin_patience patience = {20000, 1e-8};
 
@@ -40,7 +40,7 @@ static void reference(const char *name, int i, int n, double *x)
 /* ---- plants ---- */
 
 /* method: NULL for batch_taylor. */
-static void begin(struct basin_plant *b, const struct scene *s, const struct method *method, int steps)
+static void begin_map(struct basin_plant *b, const struct scene *s, const struct method *method, int steps)
 {
     check_no_error("the drives share a period", basin_map_read(b, s));
     b->series = !method;
@@ -58,21 +58,21 @@ static void begin_rig(struct basin_plant *b, const struct method *method, int st
     s.value[RIG_PAPER_XI] = 0.01;
     s.value[RIG_PAPER_SIGMA] = 0.04;
     s.value[RIG_PAPER_OMEGA] = 0.9580772293;
-    begin(b, &s, method, steps);
+    begin_map(b, &s, method, steps);
 }
 
 static void begin_shaft(struct basin_plant *b, const char *preset, double hz)
 {
     struct scene s = scenes_find(preset)->scene;
     s.value[SHAFT_PAPER_HZ] = hz;
-    begin(b, &s, &exact, hz > 100.0 ? 8 : 256);
+    begin_map(b, &s, &exact, hz > 100.0 ? 8 : 256);
 }
 
 /* Motions of n starts in the box +-reach, velocities +-speed, around rest. */
 static void settle(const struct basin_plant *b, int n, double reach, double speed,
                    struct basin_motion *motion)
 {
-    static double x[STARTS][MODEL_STATES];
+    static double x[MOTION_STARTS][MODEL_STATES];
     double rest[MODEL_STATES];
     struct basin_starts s;
     struct basin_box box;
@@ -98,7 +98,7 @@ static void cluster(const struct basin_plant *b, int n, const struct basin_motio
     basin_clusters_finish(c, NULL);
 }
 
-static struct basin_motion motion[STARTS], other[STARTS];
+static struct basin_motion settled[MOTION_STARTS], settled_other[MOTION_STARTS];
 static struct basin_clusters clusters;
 
 /* ---- the rig between its folds ---- */
@@ -117,8 +117,8 @@ TEST(basin_rig)
 {
     struct basin_plant b;
     begin_rig(&b, NULL, 8);
-    settle(&b, STARTS, 4.0, 4.0, motion);
-    cluster(&b, STARTS, motion, &clusters);
+    settle(&b, MOTION_STARTS, 4.0, 4.0, settled);
+    cluster(&b, MOTION_STARTS, settled, &clusters);
     check_int("attractors between the folds", clusters.n, 2);
     check_branch("rig high", &clusters.attractor[0]);
     check_branch("rig low", &clusters.attractor[1]);
@@ -129,13 +129,13 @@ TEST(basin_methods)
 {
     struct basin_plant b;
     begin_rig(&b, NULL, 8);
-    settle(&b, SOME, 4.0, 4.0, motion);
+    settle(&b, SOME_STARTS, 4.0, 4.0, settled);
     for (int k = 0; k < 2; k++) {
         int differ = 0;
         begin_rig(&b, k ? &rk4_unlocated : &taylor, k ? 256 : 8);
-        settle(&b, SOME, 4.0, 4.0, other);
-        for (int i = 0; i < SOME; i++)
-            differ += fabs(motion[i].peak - other[i].peak) > 1e-4;
+        settle(&b, SOME_STARTS, 4.0, 4.0, settled_other);
+        for (int i = 0; i < SOME_STARTS; i++)
+            differ += fabs(settled[i].peak - settled_other[i].peak) > 1e-4;
         check_below(k ? "starts that batch_taylor and rk4_unlocated lead to different attractors"
                       : "starts that batch_taylor and taylor lead to different attractors",
                     differ, 1);
@@ -149,8 +149,8 @@ TEST(basin_shaft_705)
     struct basin_plant b;
     double x[2], count = 0.0, low, high;
     begin_shaft(&b, "shaft-fig16-705", 705.0);
-    settle(&b, STARTS, 4.0, 1.45, motion);
-    cluster(&b, STARTS, motion, &clusters);
+    settle(&b, MOTION_STARTS, 4.0, 1.45, settled);
+    cluster(&b, MOTION_STARTS, settled, &clusters);
     const struct basin_attractor *first = &clusters.attractor[0];
     reference("shaft705", 0, 2, x);
     check_int("most starts end without contact, period", first->motion.period, 1);
@@ -162,7 +162,7 @@ TEST(basin_shaft_705)
     check_is("another one was seen, as in the paper's fig. 16b", clusters.n, >=, 2);
     for (int i = 1; i < clusters.n; i++)
         count += clusters.attractor[i].count;
-    basin_clusters_wilson((int)count, STARTS, &low, &high);
+    basin_clusters_wilson((int)count, MOTION_STARTS, &low, &high);
     check_below("it is rare there: lower end of its share", low, 0.05);
 }
 
@@ -172,13 +172,13 @@ TEST(basin_shaft_pairs)
     struct basin_plant b;
     double low, high;
     begin_shaft(&b, "shaft-fig13-18", 18.49);
-    settle(&b, SOME, 4.0, 0.2, motion);
-    cluster(&b, SOME, motion, &clusters);
+    settle(&b, SOME_STARTS, 4.0, 0.2, settled);
+    cluster(&b, SOME_STARTS, settled, &clusters);
     check_int("broken symmetry: attractors", clusters.n, 2);
     check_int("each the other's mirror image", clusters.attractor[0].image[IMAGE_MIRROR], 1);
     check_int("in both directions", clusters.attractor[1].image[IMAGE_MIRROR], 0);
     check_near("equal growth", clusters.attractor[0].growth, clusters.attractor[1].growth, 1e-3);
-    basin_clusters_wilson(clusters.attractor[0].count, SOME, &low, &high);
+    basin_clusters_wilson(clusters.attractor[0].count, SOME_STARTS, &low, &high);
     check_below("half is in the interval: lower end", low, 0.5);
     check_above("upper end", high, 0.5);
 }
@@ -203,9 +203,9 @@ TEST(basin_shaft_reference)
         begin_shaft(&b, "shaft-fig12", wanted[0]);
         for (int i = 0; i < 6; i++)
             x[0][i] = run[k].start[i] / scale_of(&b.scale, b.model->state_signal[i].quantity);
-        check_no_error("followed", basin_motion_find(&b, &patience, 1, x, motion));
-        check_int("period", motion->period, (int)wanted[1]);
-        check_near("largest x1, mm", motion->peak * b.scale.length_m * 1e3, wanted[2], 5.1e-4);
+        check_no_error("followed", basin_motion_find(&b, &patience, 1, x, settled));
+        check_int("period", settled->period, (int)wanted[1]);
+        check_near("largest x1, mm", settled->peak * b.scale.length_m * 1e3, wanted[2], 5.1e-4);
     }
 }
 
@@ -217,13 +217,13 @@ TEST(basin_escape)
     struct scene s = scenes_find("kb-fig16")->scene;
     double x[2][MODEL_STATES] = {{0.0}};
     s.value[TIP_PAPER_R] = 0.0; /* the slow force alone */
-    begin(&b, &s, NULL, 8);
+    begin_map(&b, &s, NULL, 8);
     b.model->rest(b.p, x[0]);
     b.model->rest(b.p, x[1]);
     x[1][0] += s.value[TIP_PAPER_SIGN] * -2.0; /* beyond the saddle */
-    check_no_error("followed", basin_motion_find(&b, &patience, 2, x, motion));
-    check_int("from rest the tip settles", motion[0].outcome, BASIN_SETTLED);
-    check_int("from beyond the saddle it escapes", motion[1].outcome, BASIN_GONE);
+    check_no_error("followed", basin_motion_find(&b, &patience, 2, x, settled));
+    check_int("from rest the tip settles", settled[0].outcome, BASIN_SETTLED);
+    check_int("from beyond the saddle it escapes", settled[1].outcome, BASIN_GONE);
 }
 
 TEST(basin_forcing_period)

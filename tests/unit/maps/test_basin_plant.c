@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STARTS = 11 /* more than lanes of a vector, and no multiple of them */ };
+enum { PLANT_STARTS = 11 /* more than lanes of a vector, and no multiple of them */ };
 static const double two_pi = 2.0 * 3.14159265358979323846, tol = 1e-10;
 
 /* A scene, and how it is run. */
@@ -43,7 +43,7 @@ static double period_s(const struct scene *s)
     return two_pi / slowest;
 }
 
-static void begin(struct plant *pl, double *scratch, const struct way *w, int steps, const double *x)
+static void begin_plant(struct plant *pl, double *scratch, const struct way *w, int steps, const double *x)
 {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -106,7 +106,7 @@ static void settle_plant(const struct way *w, const double *start, struct basin_
     static struct plant pl;
     struct basin_repeat r;
     int n = w->scene->model->n_states;
-    begin(&pl, memory[0], w, w->steps, start);
+    begin_plant(&pl, memory[0], w, w->steps, start);
     basin_repeat_start(&r, start, n);
     memcpy(m->end, start, sizeof m->end);
     while (m->periods < w->patience.bound && m->period == 0) {
@@ -160,7 +160,7 @@ static void measure_plant(const struct way *w, struct basin_motion *m)
     static struct plant pl;
     struct account a = {.ticks = 0.0};
     int steps = w->steps > 256 ? w->steps : 256, periods = m->period > 0 ? m->period : 512;
-    begin(&pl, memory[0], w, steps, m->end);
+    begin_plant(&pl, memory[0], w, steps, m->end);
     for (int k = 0; k < periods; k++)
         if (!run_period(&pl, steps, (int)w->scene->observable, &a, m))
             return;
@@ -189,8 +189,8 @@ static void grow_plants(const struct way *w, struct basin_motion *m)
     int n = w->scene->model->n_states, periods = m->period > 0 ? 512 : 1024;
     for (int i = 0; i < n; i++)
         y[i] = m->end[i] + 1e-6 * (1.0 + largest(m->end, NULL, n)) / (i + 1);
-    begin(&pl[0], memory[0], w, w->steps, m->end);
-    begin(&pl[1], memory[1], w, w->steps, y);
+    begin_plant(&pl[0], memory[0], w, w->steps, m->end);
+    begin_plant(&pl[1], memory[1], w, w->steps, y);
     for (int k = -64; k < periods; k++) {
         if (!run_period(&pl[0], w->steps, 0, NULL, m) || !run_period(&pl[1], w->steps, 0, NULL, m))
             return;
@@ -233,20 +233,20 @@ static void read_way(const struct way *w, struct basin_plant *b)
 static void compare(const char *what, const struct way *w, double reach, double speed, int *outcomes,
                     int *switching)
 {
-    static double start[STARTS][MODEL_STATES], x[STARTS][MODEL_STATES];
-    static struct basin_motion motion[STARTS];
+    static double start[PLANT_STARTS][MODEL_STATES], x[PLANT_STARTS][MODEL_STATES];
+    static struct basin_motion motion[PLANT_STARTS];
     struct basin_plant b;
     char text[100];
     int differ = 0, n = w->scene->model->n_states;
     read_way(w, &b);
-    for (int i = 0; i < STARTS; i++) {
+    for (int i = 0; i < PLANT_STARTS; i++) {
         b.model->rest(b.p, start[i]);
         for (int k = 0; k < n; k++)
             start[i][k] += (k < n / 2 ? reach : speed) * sin(1.0 + 3.0 * i + 1.7 * k);
     }
     memcpy(x, start, sizeof x);
-    check_no_error(what, basin_motion_find(&b, &w->patience, STARTS, x, motion));
-    for (int i = 0; i < STARTS; i++) {
+    check_no_error(what, basin_motion_find(&b, &w->patience, PLANT_STARTS, x, motion));
+    for (int i = 0; i < PLANT_STARTS; i++) {
         struct basin_motion m = {.periods = 0};
         if (w->method)
             settle_plant(w, start[i], &m);
@@ -274,7 +274,7 @@ static void rig_scene(struct scene *s, double omega)
     s->value[RIG_PAPER_OMEGA] = omega;
 }
 
-static const struct basin_patience patient = {3000, 1e-8}, brief = {100, 1e-8};
+static const struct basin_patience patient = {3000, 1e-8}, short_patience = {100, 1e-8};
 
 /* Between the folds. 300 steps: the drives' phasors come
  * anew (PHASOR_RESYNC_TICKS) elsewhere in each period. */
@@ -288,7 +288,7 @@ TEST(basin_plant_rig)
             &switching);
     compare("rig, taylor", &(struct way){&s, &taylor, 8, patient}, 3.0, 3.0, outcomes, &switching);
     compare("rig, batch_taylor", &(struct way){&s, NULL, 8, patient}, 3.0, 3.0, outcomes, &switching);
-    check_int("they settle", outcomes[BASIN_SETTLED], 4 * STARTS);
+    check_int("they settle", outcomes[BASIN_SETTLED], 4 * PLANT_STARTS);
     check_above("of which keep losing contact", switching, 4.0);
 }
 
@@ -308,7 +308,7 @@ TEST(basin_plant_base)
     s.value[RIG_PAPER_STIFFNESS] = 0.5;
     s.value[RIG_PAPER_FORCE] = 1.0;
     compare("all inputs, taylor", &(struct way){&s, &taylor, 20, patient}, 3.0, 3.0, outcomes, &switching);
-    check_int("they settle", outcomes[BASIN_SETTLED], 3 * STARTS);
+    check_int("they settle", outcomes[BASIN_SETTLED], 3 * PLANT_STARTS);
     check_above("of which keep losing contact", switching, 10.0);
 }
 
@@ -334,7 +334,7 @@ TEST(basin_plant_tip)
         compare(how[i].other, &(struct way){&published, how[i].method, how[i].steps, patient}, 1.6, 0.15,
                 gone, &none);
     }
-    check_int("levers that settle", outcomes[BASIN_SETTLED], 4 * STARTS);
+    check_int("levers that settle", outcomes[BASIN_SETTLED], 4 * PLANT_STARTS);
     check_above("of which keep losing contact", switching, 10.0);
     check_above("tips that settle", gone[BASIN_SETTLED], 7.0);
     check_above("tips that escape", gone[BASIN_GONE], 7.0);
@@ -347,10 +347,11 @@ TEST(basin_plant_shaft)
     int outcomes[BASIN_OUTCOMES] = {0}, switching = 0;
     compare("705 Hz, exact", &(struct way){&quiet, &exact, 8, {9000, 1e-8}}, 4.0, 1.4, outcomes, &switching);
     compare("18 Hz, exact", &(struct way){&broken, &exact, 256, patient}, 4.0, 0.2, outcomes, &switching);
-    check_int("they settle", outcomes[BASIN_SETTLED], 2 * STARTS);
-    compare("705 Hz, rk4", &(struct way){&quiet, &rk4, 48, brief}, 4.0, 1.4, outcomes, &switching);
-    compare("25 Hz, exact", &(struct way){&chaos, &exact, 250, brief}, 4.0, 0.2, outcomes, &switching);
-    check_int("they do not", outcomes[BASIN_UNSETTLED], 2 * STARTS);
+    check_int("they settle", outcomes[BASIN_SETTLED], 2 * PLANT_STARTS);
+    compare("705 Hz, rk4", &(struct way){&quiet, &rk4, 48, short_patience}, 4.0, 1.4, outcomes, &switching);
+    compare("25 Hz, exact", &(struct way){&chaos, &exact, 250, short_patience}, 4.0, 0.2, outcomes,
+            &switching);
+    check_int("they do not", outcomes[BASIN_UNSETTLED], 2 * PLANT_STARTS);
     check_above("motions that keep losing contact", switching, 20.0);
 }
 
@@ -365,6 +366,6 @@ TEST(basin_plant_mode)
     compare("mode, rk4", &(struct way){&s, &rk4, 128, patient}, 4.0, 0.2, outcomes, &switching);
     s.value[SHAFT_G3] *= 1.1;
     compare("mode, unequal gaps, rk4", &(struct way){&s, &rk4, 128, patient}, 4.0, 0.2, outcomes, &switching);
-    check_int("they settle", outcomes[BASIN_SETTLED], 3 * STARTS);
+    check_int("they settle", outcomes[BASIN_SETTLED], 3 * PLANT_STARTS);
     check_above("of which keep losing contact", switching, 10.0);
 }

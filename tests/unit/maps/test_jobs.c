@@ -12,7 +12,7 @@
 
 enum { N_JOBS = 23, BYTES = 4096 };
 
-static const struct usage usage = {.name = "test", .table = {jobs_options}};
+static const struct usage jobs_usage = {.name = "test", .table = {jobs_options}};
 
 struct trouble {
     int fails, dies; /* the job that does, or -1 */
@@ -49,7 +49,7 @@ static int run_with(struct jobs *j, const char *out, const char *shard, const ch
     snprintf(text[3], sizeof text[3], "--cores=%s", cores);
     struct options o;
     int status;
-    if (!options_parse(&o, &usage, 4, argv, &status))
+    if (!options_parse(&o, &jobs_usage, 4, argv, &status))
         return status;
     j->options = &o;
     return jobs_run(j);
@@ -87,21 +87,22 @@ static void write_text(const char *path, const char *text, size_t n)
         fclose(f);
 }
 
-static char directory[] = "/tmp/contactplant_jobs_XXXXXX", path[64];
+static char jobs_directory[] = "/tmp/contactplant_jobs_XXXXXX", jobs_file[64];
 
 /* The whole file of the run, from one process. */
-static size_t whole(char *text)
+static size_t whole_run(char *text)
 {
-    check_true("a directory of its own", mkdtemp(strcpy(directory, "/tmp/contactplant_jobs_XXXXXX")) != NULL);
-    snprintf(path, sizeof path, "%s/jobs.csv", directory);
-    check_int("a run ends well", run_jobs("a", path, "1/1", "1", none), STATUS_DONE);
-    return read_text(path, text);
+    check_true("a directory of its own",
+               mkdtemp(strcpy(jobs_directory, "/tmp/contactplant_jobs_XXXXXX")) != NULL);
+    snprintf(jobs_file, sizeof jobs_file, "%s/jobs.csv", jobs_directory);
+    check_int("a run ends well", run_jobs("a", jobs_file, "1/1", "1", none), STATUS_DONE);
+    return read_text(jobs_file, text);
 }
 
 static void clear(void)
 {
-    unlink(path);
-    rmdir(directory);
+    unlink(jobs_file);
+    rmdir(jobs_directory);
 }
 
 TEST(jobs_order)
@@ -115,11 +116,11 @@ TEST(jobs_order)
             n += sprintf(expected + n, "%s,%08x\n", rows + so_far, (unsigned)jobs_run_number(rows));
             so_far += row;
         }
-    check_int("bytes of the file", (int)whole(one), n);
+    check_int("bytes of the file", (int)whole_run(one), n);
     check_string("rows are in the order of their jobs", one, expected);
-    unlink(path);
-    check_int("five processes", run_jobs("a", path, "1/1", "5", none), STATUS_DONE);
-    read_text(path, three);
+    unlink(jobs_file);
+    check_int("five processes", run_jobs("a", jobs_file, "1/1", "5", none), STATUS_DONE);
+    read_text(jobs_file, three);
     check_string("five processes write the same bytes", one, three);
     check_int("run number of \"a\": FNV-1a's published value", (int)(jobs_run_number("a") == 0xe40c292cu), 1);
     clear();
@@ -128,21 +129,22 @@ TEST(jobs_order)
 TEST(jobs_shards)
 {
     char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
-    whole(text);
+    whole_run(text);
     for (int i = 1; i <= 4; i++) {
-        unlink(path);
+        unlink(jobs_file);
         sprintf(shard, "%d/4", i);
-        check_int(shard, run_jobs("a", path, shard, "2", none), STATUS_DONE);
-        read_text(path, part);
+        check_int(shard, run_jobs("a", jobs_file, shard, "2", none), STATUS_DONE);
+        read_text(jobs_file, part);
         strcat(joined, part);
     }
     check_string("four shards concatenate to the whole file", text, joined);
-    check_int("the file of another shard is refused", run_jobs("a", path, "2/4", "2", none), STATUS_MISUSED);
+    check_int("the file of another shard is refused", run_jobs("a", jobs_file, "2/4", "2", none),
+              STATUS_MISUSED);
     static const char *const wrong[] = {"0/4",  "5/4", "1",    "1/",  "/4",           "24/23",
                                         "1/4x", "",    "-1/4", "1/0", "1/99999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
-        check_int(wrong[i], run_jobs("a", path, wrong[i], "1", none), STATUS_MISUSED);
-    read_text(path, joined);
+        check_int(wrong[i], run_jobs("a", jobs_file, wrong[i], "1", none), STATUS_MISUSED);
+    read_text(jobs_file, joined);
     check_string("what is refused changes nothing", joined, part);
     clear();
 }
@@ -153,14 +155,15 @@ TEST(jobs_empty_shards)
     enum { SHARDS = 3 * N_JOBS + 1 };
     char text[BYTES], joined[BYTES] = "", part[BYTES], shard[16];
     int failed = 0, empty = 0;
-    whole(text);
+    whole_run(text);
     for (int i = 1; i <= SHARDS; i++) {
-        unlink(path);
+        unlink(jobs_file);
         sprintf(shard, "%d/%d", i, SHARDS);
-        failed += run_jobs("a", path, shard, "1", none) != STATUS_DONE;
-        failed += run_jobs("a", path, shard, "1", none) != STATUS_DONE; /* gone on with, complete as it is */
-        empty += access(path, F_OK) == 0 && read_text(path, part) == 0;
-        read_text(path, part);
+        failed += run_jobs("a", jobs_file, shard, "1", none) != STATUS_DONE;
+        failed +=
+            run_jobs("a", jobs_file, shard, "1", none) != STATUS_DONE; /* gone on with, complete as it is */
+        empty += access(jobs_file, F_OK) == 0 && read_text(jobs_file, part) == 0;
+        read_text(jobs_file, part);
         strcat(joined, part);
     }
     check_int("shards that failed", failed, 0);
@@ -174,27 +177,27 @@ TEST(jobs_empty_shards)
 TEST(jobs_zeros)
 {
     char text[BYTES], again[BYTES], torn[2 * BYTES + 64];
-    size_t n = whole(text);
+    size_t n = whole_run(text);
     static const size_t zeros[] = {1, 7, BYTES - 1, BYTES, BYTES + 50};
     int different = 0, failed = 0, taken = 0;
     for (size_t cut = 1; cut <= n; cut += 13) { /* all of zeros[] in turn */
         size_t more = zeros[cut % 5];
         memset(torn, 0, sizeof torn);
         memcpy(torn, text, cut);
-        write_text(path, torn, cut + more);
-        failed += run_jobs("a", path, "1/1", "2", none) != STATUS_DONE;
-        read_text(path, again);
+        write_text(jobs_file, torn, cut + more);
+        failed += run_jobs("a", jobs_file, "1/1", "2", none) != STATUS_DONE;
+        read_text(jobs_file, again);
         different += strcmp(text, again) != 0;
         torn[cut + more] = 'x'; /* something behind the zeros: no power cut does that */
-        write_text(path, torn, cut + more + 1);
-        taken += run_jobs("a", path, "1/1", "2", none) == STATUS_DONE;
+        write_text(jobs_file, torn, cut + more + 1);
+        taken += run_jobs("a", jobs_file, "1/1", "2", none) == STATUS_DONE;
     }
     check_int("files that end with zeros and were refused", failed, 0);
     check_int("resumed files that differ", different, 0);
     check_int("files with something behind the zeros that were taken", taken, 0);
     memset(torn, 0, sizeof torn);
-    write_text(path, torn, 100);
-    check_int("zeros alone are nobody's", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
+    write_text(jobs_file, torn, 100);
+    check_int("zeros alone are nobody's", run_jobs("a", jobs_file, "1/1", "2", none), STATUS_MISUSED);
     clear();
 }
 
@@ -202,12 +205,12 @@ TEST(jobs_zeros)
 TEST(jobs_resume)
 {
     char text[BYTES], again[BYTES];
-    size_t n = whole(text);
+    size_t n = whole_run(text);
     int different = 0, failed = 0;
     for (size_t cut = 0; cut <= n; cut += 17) {
-        write_text(path, text, cut);
-        failed += run_jobs("a", path, "1/1", "2", none) != STATUS_DONE;
-        read_text(path, again);
+        write_text(jobs_file, text, cut);
+        failed += run_jobs("a", jobs_file, "1/1", "2", none) != STATUS_DONE;
+        read_text(jobs_file, again);
         different += strcmp(text, again) != 0;
     }
     check_int("resumed runs that failed", failed, 0);
@@ -224,23 +227,25 @@ TEST(jobs_other_file)
                                           "run,job,row\n",
                                           "run,job,row,square,check\n00000000,0,1,2,00000000\n",
                                           "time,x\n1,2\n"};
-    whole(text);
-    check_int("the file of another run is refused", run_jobs("b", path, "1/1", "2", none), STATUS_MISUSED);
-    read_text(path, again);
+    whole_run(text);
+    check_int("the file of another run is refused", run_jobs("b", jobs_file, "1/1", "2", none),
+              STATUS_MISUSED);
+    read_text(jobs_file, again);
     check_string("and left as it is", text, again);
     for (size_t i = 0; i < sizeof foreign / sizeof foreign[0]; i++) {
-        write_text(path, foreign[i], strlen(foreign[i]));
-        check_int("a foreign file is refused", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
-        read_text(path, again);
+        write_text(jobs_file, foreign[i], strlen(foreign[i]));
+        check_int("a foreign file is refused", run_jobs("a", jobs_file, "1/1", "2", none), STATUS_MISUSED);
+        read_text(jobs_file, again);
         check_string("left as it is", foreign[i], again);
     }
     static const char zeros[] = "\0\0a file of something else", late[] = "r\0\0and so is this";
-    write_text(path, zeros, sizeof zeros);
-    check_int("a foreign file that begins with zeros", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
-    check_int("its bytes", (int)read_text(path, again), (int)sizeof zeros);
-    write_text(path, late, sizeof late);
-    check_int("one that begins as ours", run_jobs("a", path, "1/1", "2", none), STATUS_MISUSED);
-    check_int("its bytes", (int)read_text(path, again), (int)sizeof late);
+    write_text(jobs_file, zeros, sizeof zeros);
+    check_int("a foreign file that begins with zeros", run_jobs("a", jobs_file, "1/1", "2", none),
+              STATUS_MISUSED);
+    check_int("its bytes", (int)read_text(jobs_file, again), (int)sizeof zeros);
+    write_text(jobs_file, late, sizeof late);
+    check_int("one that begins as ours", run_jobs("a", jobs_file, "1/1", "2", none), STATUS_MISUSED);
+    check_int("its bytes", (int)read_text(jobs_file, again), (int)sizeof late);
     check_int("a file that cannot be", run_jobs("a", "/nowhere/jobs.csv", "1/1", "1", none), STATUS_MISUSED);
     check_int("a file that cannot be written", run_jobs("a", "/dev/full", "1/1", "1", none), STATUS_FAILED);
     clear();
@@ -250,16 +255,16 @@ TEST(jobs_other_file)
 TEST(jobs_changed)
 {
     char text[BYTES], other[BYTES], again[BYTES];
-    size_t n = whole(text), header = strcspn(text, "\n") + 1;
+    size_t n = whole_run(text), header = strcspn(text, "\n") + 1;
     int taken = 0, changed = 0, tries = 0;
     for (size_t at = header; at < n; at += 3) {
         if (text[at] == '\n')
             continue;
         memcpy(other, text, n + 1);
         other[at] = other[at] == '1' ? '7' : '1';
-        write_text(path, other, n);
-        taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
-        read_text(path, again);
+        write_text(jobs_file, other, n);
+        taken += run_jobs("a", jobs_file, "1/1", "1", none) != STATUS_MISUSED;
+        read_text(jobs_file, again);
         changed += strcmp(other, again) != 0;
     }
     for (size_t at = header; at < n; at += strcspn(text + at, "\n") + 1) {
@@ -271,14 +276,14 @@ TEST(jobs_changed)
                 text + at, text + at + row + next);
         for (int moved = 0; moved < 2; moved++, tries++) {
             const char *wrong = other + moved * (BYTES / 2);
-            write_text(path, wrong, strlen(wrong));
-            taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
-            read_text(path, again);
+            write_text(jobs_file, wrong, strlen(wrong));
+            taken += run_jobs("a", jobs_file, "1/1", "1", none) != STATUS_MISUSED;
+            read_text(jobs_file, again);
             changed += strcmp(wrong, again) != 0;
         }
         sprintf(other, "%.*s%s", (int)(at + row), text, text + at);
-        write_text(path, other, strlen(other));
-        taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
+        write_text(jobs_file, other, strlen(other));
+        taken += run_jobs("a", jobs_file, "1/1", "1", none) != STATUS_MISUSED;
     }
     check_is("rows", tries, >, 2 * N_JOBS);
     check_int("changed files that were taken", taken, 0);
@@ -291,21 +296,21 @@ TEST(jobs_locked)
 {
     char text[BYTES], again[BYTES], byte;
     int ready[2], done[2];
-    whole(text);
+    whole_run(text);
     check_true("pipes", !pipe(ready) && !pipe(done));
     pid_t other = fork();
     if (other == 0) {
         struct flock all = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-        bool held = fcntl(open(path, O_RDWR), F_SETLK, &all) == 0;
+        bool held = fcntl(open(jobs_file, O_RDWR), F_SETLK, &all) == 0;
         _exit(!held || write(ready[1], "x", 1) != 1 || read(done[0], &byte, 1) != 1);
     }
     check_int("the other one has it", (int)read(ready[0], &byte, 1), 1);
-    check_int("refused", run_jobs("a", path, "1/1", "2", none), STATUS_FAILED);
+    check_int("refused", run_jobs("a", jobs_file, "1/1", "2", none), STATUS_FAILED);
     check_int("told to end", (int)write(done[1], "x", 1), 1);
     waitpid(other, NULL, 0);
-    read_text(path, again);
+    read_text(jobs_file, again);
     check_string("left as it is", text, again);
-    check_int("free again", run_jobs("a", path, "1/1", "2", none), STATUS_DONE);
+    check_int("free again", run_jobs("a", jobs_file, "1/1", "2", none), STATUS_DONE);
     for (int i = 0; i < 2; i++)
         close(ready[i]), close(done[i]);
     clear();
@@ -317,16 +322,16 @@ TEST(jobs_gaps)
 {
     char text[BYTES], holed[BYTES], again[BYTES];
     int taken = 0, changed = 0, tries = 0;
-    whole(text);
+    whole_run(text);
     size_t header = strcspn(text, "\n") + 1, n = strlen(text);
     for (size_t at = header + 1; at < n; at++) {
         if (text[at - 1] != '\n' || atoi(strchr(strchr(text + at, ',') + 1, ',') + 1) != 0)
             continue; /* not the first row of a job */
         for (size_t cut = 1; cut <= 80 && cut <= at - header; cut += 7, tries++) {
             sprintf(holed, "%.*s%s", (int)(at - cut), text, text + at);
-            write_text(path, holed, strlen(holed));
-            taken += run_jobs("a", path, "1/1", "1", none) != STATUS_MISUSED;
-            read_text(path, again);
+            write_text(jobs_file, holed, strlen(holed));
+            taken += run_jobs("a", jobs_file, "1/1", "1", none) != STATUS_MISUSED;
+            read_text(jobs_file, again);
             changed += strcmp(holed, again) != 0;
         }
     }
@@ -342,15 +347,15 @@ TEST(jobs_trouble)
 {
     char text[BYTES], again[BYTES];
     const struct trouble trouble[] = {{11, -1}, {-1, 11}};
-    whole(text);
+    whole_run(text);
     for (int i = 0; i < 2; i++) {
-        unlink(path);
-        check_int("a job that fails", run_jobs("a", path, "1/1", "2", trouble[i]), STATUS_FAILED);
-        size_t kept = read_text(path, again);
+        unlink(jobs_file);
+        check_int("a job that fails", run_jobs("a", jobs_file, "1/1", "2", trouble[i]), STATUS_FAILED);
+        size_t kept = read_text(jobs_file, again);
         check_is("earlier rows are kept", kept, >, 0);
         check_true("earlier rows are kept", !strncmp(text, again, kept));
-        check_int("gone on with", run_jobs("a", path, "1/1", "2", none), STATUS_DONE);
-        read_text(path, again);
+        check_int("gone on with", run_jobs("a", jobs_file, "1/1", "2", none), STATUS_DONE);
+        read_text(jobs_file, again);
         check_string("the whole file", text, again);
     }
     clear();
@@ -398,7 +403,7 @@ static int run_pieces(const char *cores)
                      .context = &p,
                      .parts = PIECES,
                      .resume = resume_pieces};
-    return run_with(&j, path, "1/1", cores);
+    return run_with(&j, jobs_file, "1/1", cores);
 }
 
 /* Jobs in pieces from several processes, cut off anywhere and gone on with inside a job: the same bytes. */
@@ -406,15 +411,15 @@ TEST(jobs_pieces)
 {
     char text[BYTES], again[BYTES];
     int different = 0, failed = 0;
-    whole(text);
-    unlink(path);
+    whole_run(text);
+    unlink(jobs_file);
     check_int("one process", run_pieces("1"), STATUS_DONE);
-    size_t n = read_text(path, text);
+    size_t n = read_text(jobs_file, text);
     check_int("rows", (int)(n > 0 && strstr(text, ",3,9,9,") != NULL), 1);
     for (size_t cut = 0; cut <= n; cut += 11) {
-        write_text(path, text, cut);
+        write_text(jobs_file, text, cut);
         failed += run_pieces("3") != STATUS_DONE;
-        read_text(path, again);
+        read_text(jobs_file, again);
         different += strcmp(text, again) != 0;
     }
     check_int("resumed runs that failed", failed, 0);

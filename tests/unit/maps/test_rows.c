@@ -21,7 +21,7 @@ static const char *const outcomes[] = {"good", "bad", NULL};
 
 #define AT(member) .offset = offsetof(struct own, member)
 
-static const struct rows_column columns[] = {
+static const struct rows_column own_columns[] = {
     {"count", "", "", ROWS_COUNT, AT(count)},
     {"outcome", "", "", ROWS_WORD, AT(outcome), .words = outcomes},
     {"speed", "m/s", "", ROWS_NUMBER, 4, AT(value), .factor = 100.0},
@@ -36,11 +36,11 @@ static void describe(void)
 {
     rows_begin(&table, sizeof(struct own));
     for (int i = 0; i < 4; i++)
-        rows_add(&table, &columns[i]);
+        rows_add(&table, &own_columns[i]);
     table.n_given = 2;
-    rows_add_item(&table, &columns[4], 0, "force");
-    rows_add_item(&table, &columns[4], 1, "1/2");
-    rows_add(&table, &columns[5]);
+    rows_add_item(&table, &own_columns[4], 0, "force");
+    rows_add_item(&table, &own_columns[4], 1, "1/2");
+    rows_add(&table, &own_columns[5]);
 }
 
 static void write_row(const struct own *row, bool result, char text[256])
@@ -50,17 +50,17 @@ static void write_row(const struct own *row, bool result, char text[256])
     fclose(f);
 }
 
-static const struct own row = {3, BAD, 0.0123456, 0.1, {1.0 / 3.0, -2.0}, {0x8000000000000000u, 1}};
-static const char line[] = "3,bad,1.235,0.1,0.33333333333333331,-2,8000000000000000:0000000000000001\n";
+static const struct own own_row = {3, BAD, 0.0123456, 0.1, {1.0 / 3.0, -2.0}, {0x8000000000000000u, 1}};
+static const char own_line[] = "3,bad,1.235,0.1,0.33333333333333331,-2,8000000000000000:0000000000000001\n";
 
 TEST(rows_write)
 {
     char text[256];
     describe();
     check_string("header", table.header, "count,outcome,speed_m_per_s,exact,mean_force_N,mean_1/2_N,phases");
-    write_row(&row, true, text);
-    check_string("a row", text, line);
-    write_row(&row, false, text);
+    write_row(&own_row, true, text);
+    check_string("a row", text, own_line);
+    write_row(&own_row, false, text);
     check_string("a row without a result", text, "3,bad,nan,nan,nan,nan,nan\n");
     check_string("the column of a value", rows_find(&table, offsetof(struct own, exact))->name, "exact");
 }
@@ -69,13 +69,13 @@ TEST(rows_read)
 {
     struct own back;
     describe();
-    check_true("a row reads back", rows_read(&table, line, &back));
+    check_true("a row reads back", rows_read(&table, own_line, &back));
     check_int("count", back.count, 3);
     check_int("word", (int)back.outcome, BAD);
     check_is("a number in the row's unit", back.value, ==, 1.235 / 100.0);
     check_is("a number in full", back.item[0], ==, 1.0 / 3.0);
     check_is("all of it without digits", back.exact, ==, 0.1);
-    check_true("turns, every bit", !memcmp(back.turns, row.turns, sizeof row.turns));
+    check_true("turns, every bit", !memcmp(back.turns, own_row.turns, sizeof own_row.turns));
     check_true("a row without a result", rows_read(&table, "3,bad,nan,nan,nan,nan,nan\n", &back));
     check_true("has no number", isnan(back.value) && isnan(back.item[1]) && back.turns[0] == 0);
 }
@@ -105,21 +105,21 @@ TEST(rows_refuse)
 
 /* ---- files ---- */
 
-static const struct usage usage = {.name = "test"};
-static const struct options options = {.usage = &usage};
-static char path[] = "/tmp/contactplant_rows_XXXXXX";
+static const struct usage rows_usage = {.name = "test"};
+static const struct options options = {.usage = &rows_usage};
+static char rows_file[] = "/tmp/contactplant_rows_XXXXXX";
 
 /* Two jobs of run 7 with two rows each, as jobs.h says:
  * a check is the hash of all rows of its job up to it. */
 static void write_file(const char *header, const char *first, const char *other_run, int n)
 {
     char so_far[1024] = "";
-    FILE *f = fopen(path, "w");
+    FILE *f = fopen(rows_file, "w");
     fputs(header, f);
     for (int i = 0; i < n; i++) {
         char text[256];
         int length = snprintf(text, sizeof text, "%s,%d,%.*s", i == n - 1 ? other_run : "00000007", i / 2,
-                              (int)strlen(line) - 1, line);
+                              (int)strlen(own_line) - 1, own_line);
         if (i % 2 == 0)
             *so_far = '\0';
         strcat(so_far, text);
@@ -131,7 +131,7 @@ static void write_file(const char *header, const char *first, const char *other_
 static int load(int *n)
 {
     struct rows_table t;
-    int status = rows_load(&options, &table, path, &t);
+    int status = rows_load(&options, &table, rows_file, &t);
     *n = t.n;
     for (int i = 0; i < t.n && status == STATUS_DONE; i++) {
         const struct own *back = rows_row(&t, i);
@@ -145,7 +145,7 @@ static int load(int *n)
 TEST(rows_load)
 {
     char header[JOBS_LINE];
-    int n, file = mkstemp(strcpy(path, "/tmp/contactplant_rows_XXXXXX"));
+    int n, file = mkstemp(strcpy(rows_file, "/tmp/contactplant_rows_XXXXXX"));
     close(file);
     describe();
     jobs_header(table.header, header);
@@ -163,6 +163,6 @@ TEST(rows_load)
                "00000007", 4);
     check_int("a row that was changed", load(&n), STATUS_MISUSED);
     check_int("rows before it", n, 0);
-    unlink(path);
+    unlink(rows_file);
     check_int("no file", load(&n), STATUS_MISUSED);
 }

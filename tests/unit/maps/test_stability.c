@@ -10,14 +10,14 @@
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "tests/fixture/maps_run.h"
 
-#define TWO_PI 6.283185307179586477
-#define PAPER  "[deadline]\nframe = 1 ms\ndilation = 0.001\n[plant]\nmodel = %s\n[paper]\n%s"
+#define TWO_PI          6.283185307179586477
+#define STABILITY_SCENE "[deadline]\nframe = 1 ms\ndilation = 0.001\n[plant]\nmodel = %s\n[paper]\n%s"
 
 static double *run(struct maps_table *t, const char *model, const char *paper, const char *arguments,
                    int columns)
 {
     char scene[256];
-    snprintf(scene, sizeof scene, PAPER, model, paper);
+    snprintf(scene, sizeof scene, STABILITY_SCENE, model, paper);
     check_int("status", maps_run(cmd_stability, scene, arguments, columns, t), 0);
     return t->cell;
 }

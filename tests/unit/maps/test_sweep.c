@@ -90,7 +90,7 @@ static const struct row *find(const char *kind, const char *direction)
 
 /* ---- independent references ---- */
 
-#define PAPER                                                                                                \
+#define SWEEP_SCENE                                                                                          \
     "[ask]\nobservable = %s\n[deadline]\nframe = 1 ms\ndilation = 0.001\n[plant]\nmodel = %s\n[paper]\n"
 
 static void check_jump(const char *name, const char *direction, double low, double high)
@@ -187,7 +187,7 @@ static void check_case(FILE *f, const char *name, const char *model, const char 
     char text[2000], word[32], key[32], direction[8];
     double a, b;
     bool ran = false;
-    int n = snprintf(text, sizeof text, PAPER, observable, model);
+    int n = snprintf(text, sizeof text, SWEEP_SCENE, observable, model);
     while (fscanf(f, "%31s ", word) == 1 && strcmp(word, "end")) {
         if (!strcmp(word, "parameter") && fscanf(f, "%31s %lf ", key, &a) == 2) {
             n += snprintf(text + n, sizeof text - (size_t)n, "%s = %.17g\n", key, a);
@@ -452,7 +452,7 @@ TEST(sweep_unsettled)
 
 /* ---- closed forms ---- */
 
-#define LINEAR PAPER "xi = 0.02\nsigma = 0.01\nomega = 1\nphi = 0.3 rad\n"
+#define LINEAR SWEEP_SCENE "xi = 0.02\nsigma = 0.01\nomega = 1\nphi = 0.3 rad\n"
 
 static void write_linear(const char *observable, const char *model)
 {
@@ -472,9 +472,9 @@ TEST(sweep_linear)
     check_int("points down", count("point", "down"), 41);
     check_int("rows: no jump at a resonance of Q = 25", n_rows, 82);
     for (int i = 0; i < n_rows; i++) {
-        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, exact = 0.01 / hypot(re, im);
+        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, closed = 0.01 / hypot(re, im);
         /* the displacement is in units of zs here: 2/3 of one of q */
-        worst = fmax(worst, fabs(row[i].amplitude[0] / (exact * 2.0 / 3.0) - 1.0));
+        worst = fmax(worst, fabs(row[i].amplitude[0] / (closed * 2.0 / 3.0) - 1.0));
         worst_phase = fmax(worst_phase, fabs(row[i].phase[0] + atan2(im, re)));
         worst_pair = fmax(worst_pair, fabs(row[i].amplitude[0] / row[n_rows - 1 - i].amplitude[0] - 1.0));
     }
@@ -493,8 +493,8 @@ TEST(sweep_beats)
     check_int("sweep", sweep("--set=Omega=1.1 --set=a_force=0.03 --sweep=omega=0.76:0.88:5"), STATUS_DONE);
     check_int("rows", n_rows, 10);
     for (int i = 0; i < n_rows; i++) {
-        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, exact = 0.01 / hypot(re, im);
-        worst = fmax(worst, fabs(row[i].amplitude[0] / (exact * 2.0 / 3.0) - 1.0));
+        double w = row[i].value, re = 1.0 - w * w, im = 2.0 * 0.02 * w, closed = 0.01 / hypot(re, im);
+        worst = fmax(worst, fabs(row[i].amplitude[0] / (closed * 2.0 / 3.0) - 1.0));
         worst_phase = fmax(worst_phase, fabs(row[i].phase[0] + atan2(im, re)));
         unsettled = fmax(unsettled, row[i].settled);
     }
@@ -511,8 +511,8 @@ TEST(sweep_steep)
     check_int("sweep", sweep("--set=xi=0.0005 --sweep=omega=0.9955:1.0055:5"), STATUS_DONE);
     check_int("rows: no jump at a resonance of Q = 1000", n_rows, 10);
     for (int i = 0; i < n_rows; i++) { /* without --settle: 318 periods for a fall by e */
-        double w = row[i].value, exact = 0.01 / hypot(1.0 - w * w, 2.0 * 0.0005 * w) * 2.0 / 3.0;
-        check_near("amplitude over its closed form", row[i].amplitude[0] / exact, 1.0, 1e-5);
+        double w = row[i].value, closed = 0.01 / hypot(1.0 - w * w, 2.0 * 0.0005 * w) * 2.0 / 3.0;
+        check_near("amplitude over its closed form", row[i].amplitude[0] / closed, 1.0, 1e-5);
         check_below("and it says that it is settled", row[i].settled, 1e-5);
     }
     end();
@@ -625,7 +625,7 @@ TEST(sweep_harmonics)
 TEST(sweep_escape)
 {
     char text[400];
-    snprintf(text, sizeof text, PAPER "f = 0.02\nc = 0.02\nomega = 0.4\n", "displacement", "afm_tip");
+    snprintf(text, sizeof text, SWEEP_SCENE "f = 0.02\nc = 0.02\nomega = 0.4\n", "displacement", "afm_tip");
     begin(text);
     check_int("sweep", sweep("--sweep=omega=0.2:1:17"), STATUS_DONE);
     check_above("points that escaped", count("escaped", "up"), 1.0);
@@ -640,7 +640,7 @@ TEST(sweep_escape)
 
 static char whole[TEXT], part[TEXT], joined[2 * TEXT];
 
-static size_t read_text(char *text)
+static size_t read_out(char *text)
 {
     FILE *f = fopen(out, "r");
     size_t n = f ? fread(text, 1, TEXT - 1, f) : 0;
@@ -657,11 +657,11 @@ TEST(sweep_resume)
     int different = 0;
     write_linear("penetration", "hertz_rig");
     check_int("one process", sweep(COARSE "1 --set=sigma=0.04"), STATUS_DONE);
-    size_t n = read_text(whole);
+    size_t n = read_out(whole);
     for (size_t cut = 0; cut < n; cut += n / 5) {
         check_int("cut off", truncate(out, (off_t)cut), 0);
         different += sweep(COARSE "2 --set=sigma=0.04") != STATUS_DONE;
-        read_text(part);
+        read_out(part);
         different += strcmp(whole, part) != 0;
     }
     check_int("resumed runs that differ from the whole", different, 0);
@@ -670,15 +670,15 @@ TEST(sweep_resume)
         fprintf(f, "%.*s%.8s,0,point\n", (int)strcspn(whole, "\n") + 1, whole, strchr(whole, '\n') + 1);
         fclose(f);
     }
-    size_t torn = read_text(part);
+    size_t torn = read_out(part);
     check_int("a row that lost its numbers is refused", sweep(COARSE "2 --set=sigma=0.04"), STATUS_MISUSED);
-    check_int("and left as it is", (int)read_text(part), (int)torn);
+    check_int("and left as it is", (int)read_out(part), (int)torn);
     check_int("without the newline", truncate(out, (off_t)torn - 1), 0);
     check_int("it is torn, and done again", sweep(COARSE "2 --set=sigma=0.04"), STATUS_DONE);
-    read_text(part);
+    read_out(part);
     check_string("to the same file", whole, part);
     check_int("another sweep's file is refused", sweep(COARSE "2 --set=sigma=0.05"), STATUS_MISUSED);
-    read_text(part);
+    read_out(part);
     check_string("and left as it is", whole, part);
     end();
 }
@@ -702,7 +702,7 @@ TEST(sweep_chance)
     begin("");
     snprintf(scene, sizeof scene, "shaft-fig9-80");
     check_int("sweep", sweep("--sweep=freq_hz=40:62:8"), STATUS_DONE);
-    read_text(whole);
+    read_out(whole);
     for (char *line = whole; line < whole + strlen(whole);) {
         char text[1000], *next = strchr(line, '\n') + 1;
         snprintf(text, sizeof text, "%.*s", (int)(next - line - 1), line);
@@ -716,7 +716,7 @@ TEST(sweep_chance)
     for (size_t less = 0; less < 3; less++) {
         check_int("cut off", truncate(out, (off_t)(cut - 7 * less)), 0);
         different += sweep("--sweep=freq_hz=40:62:8") != STATUS_DONE;
-        read_text(part);
+        read_out(part);
         different += strcmp(whole, part) != 0;
     }
     check_int("resumed runs that differ from the whole", different, 0);
@@ -753,7 +753,7 @@ TEST(sweep_chance_of_long_steps)
     check_int("ranges on stderr where another motion is",
               sweep_says("--sweep=freq_hz=34.2:36.2:2", "contactplant sweep: by chance: 2 points;"), 1);
     check_is("which has more than twice the amplitude", amplitude, >, 2.0 * row[1].amplitude[0]);
-    read_text(whole);
+    read_out(whole);
     char *line = strchr(strchr(whole, '\n') + 1, '\n') + 1;
     *strchr(line, '\n') = '\0';
     check_int("motions in its row", n_motions(line), 2);
@@ -800,12 +800,12 @@ TEST(sweep_shards)
     joined[0] = '\0';
     write_linear("penetration", "hertz_rig");
     check_int("the family", sweep(FAMILY), STATUS_DONE);
-    check_above("bytes", (double)read_text(whole), 4000.0);
+    check_above("bytes", (double)read_out(whole), 4000.0);
     for (int i = 1; i <= 3; i++) {
         unlink(out);
         snprintf(arguments, sizeof arguments, FAMILY " --shard=%d/3", i);
         check_int(arguments, sweep(arguments), STATUS_DONE);
-        read_text(part);
+        read_out(part);
         strcat(joined, part);
     }
     check_string("three shards concatenate to the whole", whole, joined);

@@ -18,7 +18,14 @@
 #include "models/shaft_bearing.h"
 #include "tests/unit/test.h"
 
-enum { PERIODS = 6, HARMONICS = 4, DISPLACEMENT = 0, PENETRATION = 2, FORCE = 3, FLAG = 4 };
+enum {
+    PERIODS = 6,
+    HARMONICS = 4,
+    OUTPUT_DISPLACEMENT = 0,
+    OUTPUT_PENETRATION = 2,
+    OUTPUT_FORCE = 3,
+    OUTPUT_FLAG = 4
+};
 
 #define OMEGA   0.7
 #define DAMPING 0.05
@@ -33,7 +40,7 @@ struct motion {
     double middle, amplitude, phase;
 };
 
-static struct motion motion_of(double f)
+static struct motion exact_motion(double f)
 {
     double re = 1.0 - OMEGA * OMEGA, im = DAMPING * OMEGA;
     return (struct motion){1.0, f / hypot(re, im), -atan2(im, re)};
@@ -44,11 +51,11 @@ static struct motion motion_of(double f)
 static double output_at(int output, double eta)
 {
     switch (output) {
-    case DISPLACEMENT:
+    case OUTPUT_DISPLACEMENT:
         return eta;
-    case PENETRATION:
+    case OUTPUT_PENETRATION:
         return eta;
-    case FORCE:
+    case OUTPUT_FORCE:
         return K0 * eta * sqrt(eta);
     default:
         return 1.0;
@@ -59,12 +66,12 @@ static double output_at(int output, double eta)
 static double exact_harmonic(int output, const struct motion *x, int n)
 {
     enum { PANELS = 4000 };
-    bool clipped = output != DISPLACEMENT && x->amplitude > x->middle;
+    bool clipped = output != OUTPUT_DISPLACEMENT && x->amplitude > x->middle;
     double alpha = clipped ? acos(-x->middle / x->amplitude) : ELEMENTARY_PI, sum = 0.0;
     for (int i = 0; i <= PANELS; i++) {
         double s = (double)i / PANELS, psi = alpha * (1.0 - s * s);
         double eta = x->middle + x->amplitude * cos(psi);
-        double g = output_at(output, output == DISPLACEMENT ? eta : fmax(eta, 0.0));
+        double g = output_at(output, output == OUTPUT_DISPLACEMENT ? eta : fmax(eta, 0.0));
         sum += (i == 0 || i == PANELS ? 1.0 : (i % 2 ? 4.0 : 2.0)) * g * cos(n * psi) * 2.0 * alpha * s;
     }
     return sum / (3.0 * PANELS) * (n == 0 ? 1.0 : 2.0) / ELEMENTARY_PI;
@@ -78,7 +85,7 @@ static void measure(int output, double f, double turns, int ticks, int periods, 
     struct sweep_meter m;
     double si[MODEL_PARAMETERS], paper[MODEL_PARAMETERS] = {0};
     struct harmonic drive[MODEL_INPUTS];
-    struct motion x = motion_of(f);
+    struct motion x = exact_motion(f);
     paper[TIP_PAPER_BETA] = 1.5 * K0;
     paper[TIP_PAPER_C] = DAMPING;
     paper[TIP_PAPER_SIGN] = -1.0;
@@ -108,7 +115,7 @@ static void measure(int output, double f, double turns, int ticks, int periods, 
 static double error_of(int output, double f, double turns, int ticks)
 {
     struct sweep_measured r;
-    struct motion x = motion_of(f);
+    struct motion x = exact_motion(f);
     measure(output, f, turns, ticks, PERIODS, &r);
     double mean = exact_harmonic(output, &x, 0), worst = fabs(r.mean - mean), largest = fabs(mean);
     if (isnan(r.mean))
@@ -137,37 +144,37 @@ static double worst_of(int output, int ticks)
  * phases all round: switches stand everywhere in a tick. */
 TEST(sweep_meter_sums)
 {
-    struct motion x = motion_of(1.9);
+    struct motion x = exact_motion(1.9);
     double alpha = acos(-x.middle / x.amplitude);
-    check_near("the quadrature: mean of a cut cosine", exact_harmonic(PENETRATION, &x, 0),
+    check_near("the quadrature: mean of a cut cosine", exact_harmonic(OUTPUT_PENETRATION, &x, 0),
                (x.middle * alpha + x.amplitude * sin(alpha)) / ELEMENTARY_PI, 1e-10);
-    check_near("the quadrature: third harmonic of a rectangle", exact_harmonic(FLAG, &x, 3),
+    check_near("the quadrature: third harmonic of a rectangle", exact_harmonic(OUTPUT_FLAG, &x, 3),
                2.0 * sin(3.0 * alpha) / (3.0 * ELEMENTARY_PI), 1e-10);
-    check_below("displacement, 96 ticks", worst_of(DISPLACEMENT, 96), 1e-7);
-    check_below("penetration, which bends", worst_of(PENETRATION, 96), 2e-6);
-    check_below("force, of power 3/2", worst_of(FORCE, 96), 5e-6);
-    check_below("the flag, which jumps", worst_of(FLAG, 96), 5e-6);
+    check_below("displacement, 96 ticks", worst_of(OUTPUT_DISPLACEMENT, 96), 1e-7);
+    check_below("penetration, which bends", worst_of(OUTPUT_PENETRATION, 96), 2e-6);
+    check_below("force, of power 3/2", worst_of(OUTPUT_FORCE, 96), 5e-6);
+    check_below("the flag, which jumps", worst_of(OUTPUT_FLAG, 96), 5e-6);
     struct sweep_measured r;
-    measure(PENETRATION, 1.9, 0.3, 96, PERIODS, &r);
+    measure(OUTPUT_PENETRATION, 1.9, 0.3, 96, PERIODS, &r);
     check_near("lowest penetration: apart", r.lowest, 0.0, 1e-12);
     check_near("highest", r.highest / (x.middle + x.amplitude), 1.0, 1e-7);
-    check_near("peak force", r.peak_force / output_at(FORCE, x.middle + x.amplitude), 1.0, 1e-7);
+    check_near("peak force", r.peak_force / output_at(OUTPUT_FORCE, x.middle + x.amplitude), 1.0, 1e-7);
     check_near("part of the time apart", r.out_of_contact, 1.0 - alpha / ELEMENTARY_PI, 1e-8);
-    measure(DISPLACEMENT, 1.9, 0.3, 96, PERIODS, &r);
+    measure(OUTPUT_DISPLACEMENT, 1.9, 0.3, 96, PERIODS, &r);
     check_near("lowest displacement", r.lowest / (x.middle - x.amplitude), 1.0, 1e-7);
 }
 
 /* The one highest point of a period, wherever in the half it stands: up to a tick before its end. */
 TEST(sweep_meter_extremes)
 {
-    struct motion x = motion_of(1.9);
+    struct motion x = exact_motion(1.9);
     struct sweep_measured r;
     double worst = 0.0, worst_force = 0.0;
     for (int i = 1; i < 48; i++) {
         double highest = x.middle + x.amplitude;
-        measure(PENETRATION, 1.9, i / 48.0 - x.phase / (2.0 * ELEMENTARY_PI), 96, 1, &r);
+        measure(OUTPUT_PENETRATION, 1.9, i / 48.0 - x.phase / (2.0 * ELEMENTARY_PI), 96, 1, &r);
         worst = fmax(worst, fabs(r.highest / highest - 1.0));
-        worst_force = fmax(worst_force, fabs(r.peak_force / output_at(FORCE, highest) - 1.0));
+        worst_force = fmax(worst_force, fabs(r.peak_force / output_at(OUTPUT_FORCE, highest) - 1.0));
     }
     check_below("highest point", worst, 1e-7);
     check_below("peak force", worst_force, 1e-7);
@@ -181,8 +188,9 @@ TEST(sweep_meter_order)
         int output;
         double least;
         const char *name;
-    } c[] = {
-        {PENETRATION, 3.7, "order, penetration"}, {FORCE, 3.1, "order, force"}, {FLAG, 3.6, "order, flag"}};
+    } c[] = {{OUTPUT_PENETRATION, 3.7, "order, penetration"},
+             {OUTPUT_FORCE, 3.1, "order, force"},
+             {OUTPUT_FLAG, 3.6, "order, flag"}};
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++)
         check_above(c[i].name, 0.5 * log2(worst_of(c[i].output, 48) / worst_of(c[i].output, 192)),
                     c[i].least);
@@ -197,8 +205,8 @@ TEST(sweep_meter_brief)
     for (size_t i = 0; i < sizeof brief / sizeof brief[0]; i++)
         for (int k = 0; k < 8 && !isnan(worst); k++) {
             double apart = f / cos(brief[i] * ELEMENTARY_PI / 96), tick = 20.0 + k / 8.0;
-            double turns = 0.5 - tick / 96 - motion_of(apart).phase / (2.0 * ELEMENTARY_PI);
-            double error = error_of(FLAG, apart, turns, 96);
+            double turns = 0.5 - tick / 96 - exact_motion(apart).phase / (2.0 * ELEMENTARY_PI);
+            double error = error_of(OUTPUT_FLAG, apart, turns, 96);
             worst = error > worst || isnan(error) ? error : worst;
         }
     check_below("flag of a contact that is open for less than a tick", worst, 1e-5);
@@ -235,12 +243,13 @@ static double pair_error(double size, double wider, double turns)
                           2.0 * ELEMENTARY_PI * turns);
     double x = -size * cos(2.0 * ELEMENTARY_PI * turns), v = size * OMEGA * sin(2.0 * ELEMENTARY_PI * turns);
     plant_set_state(&pl, (const double[]){x, x, x, v, v, v});
-    sweep_meter_start(&m, PENETRATION, harmonic, HARMONICS, (int64_t)TICKS * PERIODS, turns_of(turns),
+    sweep_meter_start(&m, OUTPUT_PENETRATION, harmonic, HARMONICS, (int64_t)TICKS * PERIODS, turns_of(turns),
                       UINT64_MAX / TICKS);
     if (!sweep_meter_run(&m, &pl, &r))
         return (double)NAN;
     for (int i = 0; i < HARMONICS; i++) {
-        double truth = exact_harmonic(PENETRATION, &(struct motion){-1.0, size, 0.0}, (int)harmonic[i]);
+        double truth =
+            exact_harmonic(OUTPUT_PENETRATION, &(struct motion){-1.0, size, 0.0}, (int)harmonic[i]);
         truth *= harmonic[i] % 2 ? 0.0 : 2.0 * GAP; /* on both sides */
         worst =
             fmax(worst, hypot(r.amplitude[i] * cos(r.phase[i]) - truth, r.amplitude[i] * sin(r.phase[i])));

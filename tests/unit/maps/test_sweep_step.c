@@ -47,7 +47,7 @@ static struct model model;
 static struct sweep s;
 
 /* The scene, swept from xi = 0.02 to 0.06 in one step. */
-static void begin(void)
+static void begin_step(void)
 {
     static const struct usage usage = {.name = "sweep"};
     char why[SCENE_REASON], path[] = "/tmp/contactplant_step_XXXXXX";
@@ -86,7 +86,7 @@ static void take(struct step *c, bool down)
 TEST(sweep_step_behind_a_range)
 {
     struct step c;
-    begin();
+    begin_step();
     model.rhs = own_rhs;
     model.output = own_output;
     for (int down = 0; down < 2; down++) {
@@ -111,7 +111,7 @@ TEST(sweep_step_behind_a_range)
 TEST(sweep_step_over_a_root)
 {
     struct step c;
-    begin();
+    begin_step();
     model.output = root_output;
     take(&c, false);
     check_int("jumps up", c.n, 0);
@@ -134,7 +134,7 @@ TEST(sweep_step_size_of_a_jump)
     static const double size[] = {0.04, 0.065}; /* 3.8 and 6.1 % of the larger side */
     struct step c;
     for (int i = 0; i < 4; i++) {
-        begin();
+        begin_step();
         model.output = larger_output;
         share = size[i / 2];
         take(&c, i % 2);

@@ -8,13 +8,13 @@
 #include "models/afm_tip.h"
 #include "models/models.h"
 
-enum { TICKS = 700, BEYOND = 8 };
+enum { SCRATCH_TICKS = 700, BEYOND = 8 };
 
-static double scratch[METHOD_SCRATCH + BEYOND], moved[METHOD_SCRATCH + BEYOND];
+static double guarded_scratch[METHOD_SCRATCH + BEYOND], moved_scratch[METHOD_SCRATCH + BEYOND];
 
 /* A plant with a harmonic drive, a tenth of a radian of
  * its fastest mode a tick. False where the method refuses. */
-static bool start(struct plant *pl, const struct model *m, const struct method *method)
+static bool start_loud(struct plant *pl, const struct model *m, const struct method *method)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct scale scale;
@@ -30,8 +30,8 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
                              .tick_s = 0.1 / omega * scale.time_s,
                              .dilation = 1.0,
                              .tol = tol,
-                             .scratch = scratch};
-    memset(scratch, 0xA5, sizeof scratch);
+                             .scratch = guarded_scratch};
+    memset(guarded_scratch, 0xA5, sizeof guarded_scratch);
     if (plant_init(pl, &c))
         return false;
     /* Loud enough to lose contact, where the motion does not escape then. */
@@ -44,18 +44,18 @@ static bool start(struct plant *pl, const struct model *m, const struct method *
 /* The run whole, and the same from a copy of its middle in other memory. */
 static void check_pair(const char *name, struct plant *pl, size_t used)
 {
-    bool good = plant_run(pl, TICKS / 2 + 1);
+    bool good = plant_run(pl, SCRATCH_TICKS / 2 + 1);
     struct plant copy = *pl;
-    memset(moved, 0x5A, sizeof moved);
-    memcpy(moved, scratch, used * sizeof *moved);
-    copy.scratch = moved;
-    good = plant_run(pl, TICKS / 2) && good;
-    good = plant_run(&copy, TICKS / 2) && good;
+    memset(moved_scratch, 0x5A, sizeof moved_scratch);
+    memcpy(moved_scratch, guarded_scratch, used * sizeof *moved_scratch);
+    copy.scratch = moved_scratch;
+    good = plant_run(pl, SCRATCH_TICKS / 2) && good;
+    good = plant_run(&copy, SCRATCH_TICKS / 2) && good;
     check_true(name, good);
     check_hex("  a copy of plant and scratch runs on to the same state", plant_hash(&copy), plant_hash(pl));
     int beyond = 0;
-    for (size_t i = used * sizeof *scratch; i < sizeof scratch; i++)
-        beyond += ((const unsigned char *)scratch)[i] != 0xA5;
+    for (size_t i = used * sizeof *guarded_scratch; i < sizeof guarded_scratch; i++)
+        beyond += ((const unsigned char *)guarded_scratch)[i] != 0xA5;
     check_int("  bytes written beyond its share", beyond, 0);
 }
 
@@ -67,7 +67,7 @@ TEST(method_scratch)
         for (int k = 0; k < METHODS; k++) {
             char name[80];
             const struct model *m = model_table[i];
-            if (!start(&pl, m, method_table[k]))
+            if (!start_loud(&pl, m, method_table[k]))
                 continue;
             snprintf(name, sizeof name, "%s by %s", m->name, method_table[k]->name);
             check_pair(name, &pl, method_table[k]->n_scratch(m));

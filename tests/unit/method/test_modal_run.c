@@ -7,7 +7,7 @@
 #include "firmware/method/modal.h"
 #include "tests/fixture/afm/lever.h"
 
-enum { TICKS = 4000, RUN = 7 };
+enum { MODAL_TICKS = 4000, RUN = 7 };
 
 /* A way that touches the sample: down by 12 nm and up again in a sine. */
 static double place(const struct lever *l, int k)
@@ -50,7 +50,7 @@ static bool equal_bits(struct lever *l, double *peak)
     memcpy(x, l->plant.x, sizeof x);
     memcpy(y, l->plant.x, sizeof y);
     *peak = 0.0;
-    for (int k = 0; k < TICKS && same; k += RUN) {
+    for (int k = 0; k < MODAL_TICKS && same; k += RUN) {
         struct modal_tick in[RUN];
         for (int i = 0; i < RUN; i++)
             in[i] = tick_at(l, k + i, h);

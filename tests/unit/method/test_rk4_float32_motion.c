@@ -41,7 +41,7 @@ static void paper_of(const struct motion *c, double *paper)
         paper[paper_index(c->model, c->set[i].name)] = c->set[i].value;
 }
 
-static void start(struct plant *pl, const struct motion *c, const struct method *method, double h)
+static void motion_start(struct plant *pl, const struct motion *c, const struct method *method, double h)
 {
     double paper[MODEL_PARAMETERS];
     paper_of(c, paper);
@@ -60,8 +60,8 @@ static double worst_error(const struct motion *c)
 {
     static struct plant pl, fine;
     double error[MODEL_STATES] = {0.0}, largest[MODEL_STATES] = {0.0}, rest[MODEL_STATES], worst = 0.0;
-    start(&pl, c, &rk4_float32, c->period / c->ticks);
-    start(&fine, c, c->reference, c->period / c->fine_ticks);
+    motion_start(&pl, c, &rk4_float32, c->period / c->ticks);
+    motion_start(&fine, c, c->reference, c->period / c->fine_ticks);
     c->model->rest(pl.p, rest);
     for (int k = 0; k < c->periods; k++) {
         run(&pl, (uint64_t)c->ticks);
@@ -167,8 +167,8 @@ TEST(rk4_float32_long)
         128};
     static struct plant pl, fine;
     double early = 0.0, late = 0.0, largest[2] = {0.0, 0.0};
-    start(&pl, &steady, &rk4_float32, steady.period / steady.ticks);
-    start(&fine, &steady, &taylor, steady.period / steady.ticks);
+    motion_start(&pl, &steady, &rk4_float32, steady.period / steady.ticks);
+    motion_start(&fine, &steady, &taylor, steady.period / steady.ticks);
     for (int k = 0; k < steady.periods; k++) {
         run(&pl, (uint64_t)steady.ticks);
         run(&fine, (uint64_t)steady.ticks);
@@ -196,7 +196,7 @@ static double energy_change(double h)
         "undamped rig", &hertz_rig, &taylor, {{"xi", 0.0}}, {0.5}, 0.0, 0, 0, 0};
     static struct plant pl;
     double worst = 0.0;
-    start(&pl, &undamped, &rk4_float32, h);
+    motion_start(&pl, &undamped, &rk4_float32, h);
     double begin = plant_energy(&pl);
     double rest = hertz_rig.energy(pl.p, pl.segment.at[2], (double[]){1.0, 0.0}) * pl.scale.energy_J;
     for (int i = 0; i < 1000; i++) {
@@ -223,7 +223,7 @@ static double phase_lost(const struct motion *c)
     static const struct method *const method[2] = {&rk4, &rk4_float32};
     double phase[2], rest[MODEL_STATES];
     for (int i = 0; i < 2; i++) {
-        start(&pl[i], c, method[i], 0.01);
+        motion_start(&pl[i], c, method[i], 0.01);
         double omega = c->model->eigenfrequency(pl[i].p);
         c->model->rest(pl[i].p, rest);
         run(&pl[i], (uint64_t)(1000.0 * TWO_PI / omega / 0.01));
@@ -283,12 +283,12 @@ TEST(rk4_float32_contact_order)
     static const struct method *const method[2] = {&rk4, &rk4_float32};
     double x[16], y[2][16], apart = 0.0;
     int n = 0;
-    start(&fine, &thrown, &taylor, thrown.period / 400);
+    motion_start(&fine, &thrown, &taylor, thrown.period / 400);
     run(&fine, 400);
     for (int steps = 340; n < 16; steps = steps * 14 / 13, n++) {
         double end[2][2];
         for (int i = 0; i < 2; i++) {
-            start(&pl, &thrown, method[i], thrown.period / steps);
+            motion_start(&pl, &thrown, method[i], thrown.period / steps);
             run(&pl, (uint64_t)steps);
             memcpy(end[i], pl.x, sizeof end[i]);
             y[i][n] = log(hypot(pl.x[0] - fine.x[0], pl.x[1] - fine.x[1]));
@@ -313,7 +313,7 @@ TEST(rk4_float32_ledger)
     double share[2];
     static const struct method *const method[2] = {&rk4, &rk4_float32};
     for (int i = 0; i < 2; i++) {
-        start(&pl, &thrown, method[i], 0.01);
+        motion_start(&pl, &thrown, method[i], 0.01);
         run(&pl, 200000);
         share[i] = fabs(plant_residual(&pl)) / (pl.ledger.gross * pl.scale.energy_J);
     }

@@ -16,11 +16,11 @@
 
 /* ---- the bits are those of rk4 that runs through ---- */
 
-static enum step_status through(const struct model *m, const double *p, double *scratch,
-                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
+static enum step_status through(const struct model *m, const double *p, double *work, const struct segment *e,
+                                unsigned regime, double *x, struct crossing *c)
 {
     (void)regime;
-    return rk4.bind(m)(m, p, scratch, e, REGIME_ANY, x, c);
+    return rk4.bind(m)(m, p, work, e, REGIME_ANY, x, c);
 }
 
 static step_function *bind_through(const struct model *m)
@@ -38,11 +38,11 @@ static const struct thrown {
     {&hertz_rig, 0.5, 0.9, 0.1},       {&rolling_contact, 0.5, 0.9, 0.1},      {&afm_tip, 0.5, 0.9, 0.1},
     {&shaft_bearing, 0.3, 0.13, 0.05}, {&shaft_bearing_mode, 0.3, 0.13, 0.05},
 };
-enum { THROWN = sizeof thrown / sizeof thrown[0], TICKS = 20000 };
+enum { THROWN = sizeof thrown / sizeof thrown[0], UNLOCATED_TICKS = 20000 };
 
 static double scratch[METHOD_SCRATCH];
 
-static void start(struct plant *pl, const struct thrown *t, const struct method *method)
+static void start_thrown(struct plant *pl, const struct thrown *t, const struct method *method)
 {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct scale scale;
@@ -69,11 +69,11 @@ TEST(rk4_unlocated_bits)
     run_through.bind = bind_through;
     for (int i = 0; i < THROWN; i++) {
         int differ = 0, before = 0;
-        start(&a, &thrown[i], &rk4_unlocated);
-        start(&b, &thrown[i], &run_through);
-        start(&located, &thrown[i], &rk4);
+        start_thrown(&a, &thrown[i], &rk4_unlocated);
+        start_thrown(&b, &thrown[i], &run_through);
+        start_thrown(&located, &thrown[i], &rk4);
         size_t size = (size_t)a.model->n_states * sizeof *a.x;
-        for (int n = 0; n < TICKS; n++) {
+        for (int n = 0; n < UNLOCATED_TICKS; n++) {
             bool good = plant_run(&a, 1) && plant_run(&b, 1) && plant_run(&located, 1);
             differ += !good || memcmp(a.x, b.x, size) != 0;
             before += located.counts.switches == 0 && memcmp(a.x, located.x, size) != 0;
@@ -95,7 +95,7 @@ TEST(rk4_unlocated_told_through)
     double x[2] = {0.01, -1.0}, y[2] = {0.01, -1.0};
     struct segment e = {.length = 0.1};
     struct crossing c = {-1.0, 0, 0, 0.0};
-    start(&pl, &thrown[0], &rk4_unlocated);
+    start_thrown(&pl, &thrown[0], &rk4_unlocated);
     enum step_status told = pl.step(pl.model, pl.p, scratch, &e, 1u, x, &c);
     check_int("lift-off within the step, told", told, STEP_SWITCH);
     x[0] = 0.01, x[1] = -1.0;
@@ -117,8 +117,8 @@ TEST(rk4_unlocated_events)
     struct event e;
     int n = 0, inside = 0, twice = 0, wrong_tick = 0;
     bool touch = true;
-    start(&pl, &thrown[0], &rk4_unlocated);
-    for (int tick = 0; tick < TICKS; tick++) {
+    start_thrown(&pl, &thrown[0], &rk4_unlocated);
+    for (int tick = 0; tick < UNLOCATED_TICKS; tick++) {
         if (!plant_run(&pl, 1))
             check_true("the rig stays finite", 0);
         for (; plant_take_event(&pl, &e); n++) {
@@ -143,10 +143,10 @@ TEST(rk4_unlocated_together)
     struct event e;
     int n = 0, together = 0;
     uint64_t last = 0;
-    start(&pl, &thrown[3], &rk4_unlocated);
+    start_thrown(&pl, &thrown[3], &rk4_unlocated);
     plant_drive_start(&pl, 0, 0.0, 0.0, 0.0);
     plant_drive_start(&pl, 1, 60.0, 25.0, 0.0); /* in the middle */
-    for (int tick = 0; tick < TICKS; tick++) {
+    for (int tick = 0; tick < UNLOCATED_TICKS; tick++) {
         if (!plant_run(&pl, 1))
             check_true("the shaft stays finite", 0);
         for (; plant_take_event(&pl, &e); n++) {

@@ -9,14 +9,14 @@
 
 /* Four states: two positions, which stay, a velocity, which stays, and the time. */
 enum { VELOCITY = 2, TIME = 3 };
-static double start[MODEL_STATES];
+static double start_state[MODEL_STATES];
 static int n_steps;
 static void (*gaps)(double t, struct input *gap);
 
-static void advance(const struct model *m, const double *p, const double *scratch, const struct segment *e,
+static void advance(const struct model *m, const double *p, const double *work, const struct segment *e,
                     const double *x, double *x1)
 {
-    (void)p, (void)scratch;
+    (void)p, (void)work;
     n_steps++;
     for (int i = 0; i < m->n_states; i++)
         x1[i] = x[i];
@@ -37,11 +37,11 @@ static enum step_status locate(int n_contacts, double length, unsigned regime, s
     const struct switch_stepper by = {advance, &m, NULL, NULL, 4.0 * DBL_EPSILON * length};
     const struct segment e = {.length = length};
     double x[MODEL_STATES];
-    memcpy(x, start, sizeof x);
+    memcpy(x, start_state, sizeof x);
     n_steps = 0;
     *c = (struct crossing){-1.0, -1, -1, 0.0};
     enum step_status status = switch_locate(&by, &e, regime, x, c);
-    check_bytes("the others stay", x, start, TIME * sizeof *x);
+    check_bytes("the others stay", x, start_state, TIME * sizeof *x);
     if (status == STEP_END)
         check_near("at the end", x[TIME], length, 0.0);
     else if (!c->residual)
@@ -50,27 +50,27 @@ static enum step_status locate(int n_contacts, double length, unsigned regime, s
 }
 
 /* Opens or closes at `root` with a constant rate. */
-static double root, slope;
+static double root, line_slope;
 
 static void line(double t, struct input *gap)
 {
     /* In two parts: a zero between two doubles near t. */
     double whole = floor(root);
-    *gap = (struct input){slope * ((t - whole) - (root - whole)), slope};
+    *gap = (struct input){line_slope * ((t - whole) - (root - whole)), line_slope};
 }
 
 /* A straight gap takes the step itself, the guess, which is good to 2^-40, and one Newton step. */
 TEST(switch_locate_lines)
 {
     const double lengths[] = {1e-3, 1.0, 1000.0}, slopes[] = {0.25, 1.0, 3.0};
-    memset(start, 0, sizeof start);
+    memset(start_state, 0, sizeof start_state);
     gaps = line;
     for (int i = 0; i < 9; i++) {
         for (int closed = 0; closed < 2; closed++) {
             struct crossing c;
             double length = lengths[i / 3];
             root = 0.7001 * length;
-            slope = slopes[i % 3] * fmax(1.0, 1.0 / length) * (closed ? 1.0 : -1.0);
+            line_slope = slopes[i % 3] * fmax(1.0, 1.0 / length) * (closed ? 1.0 : -1.0);
             check_int("a switch", locate(1, length, (unsigned)closed, &c), STEP_SWITCH);
             check_near("its instant over the length", c.done / length, 0.7001, 4.0 * DBL_EPSILON);
             check_int("no residual", c.residual, 0);
@@ -78,7 +78,7 @@ TEST(switch_locate_lines)
         }
     }
     root = 1.1;
-    check_int("none within the step", locate(1, 1.0, slope > 0.0, &(struct crossing){0}), STEP_END);
+    check_int("none within the step", locate(1, 1.0, line_slope > 0.0, &(struct crossing){0}), STEP_END);
     check_int("which was one", n_steps, 1);
 }
 
@@ -92,17 +92,17 @@ TEST(switch_locate_rounding)
 {
     struct crossing c;
     for (int i = 0; i < 2; i++) {
-        memset(start, 0, sizeof start);
-        start[i] = 1e6; /* where doubles are 1.2e-10 apart: the zero lies between two of them */
+        memset(start_state, 0, sizeof start_state);
+        start_state[i] = 1e6; /* where doubles are 1.2e-10 apart: the zero lies between two of them */
         gaps = line;
         root = 0.3;
-        slope = 1.0;
+        line_slope = 1.0;
         check_int("a switch far out", locate(1, 1.0, 1, &c), STEP_SWITCH);
         check_int("no residual", c.residual, 0);
-        check_near("to 8 roundings of the position", c.done, root, 8.0 * DBL_EPSILON * start[i]);
+        check_near("to 8 roundings of the position", c.done, root, 8.0 * DBL_EPSILON * start_state[i]);
     }
-    memset(start, 0, sizeof start);
-    start[VELOCITY] = 1e8;
+    memset(start_state, 0, sizeof start_state);
+    start_state[VELOCITY] = 1e8;
     gaps = quartic;
     check_int("a switch at a high velocity", locate(1, 1.0, 1, &c), STEP_SWITCH);
     check_int("no residual", c.residual, 0);
@@ -117,7 +117,7 @@ static void jump(double t, struct input *gap)
 /* A gap that jumps to zero and beyond has no simple zero: halved as often as allowed, and said so. */
 TEST(switch_locate_jump)
 {
-    memset(start, 0, sizeof start);
+    memset(start_state, 0, sizeof start_state);
     gaps = jump;
     for (int i = 1; i < 10; i++) {
         struct crossing c;
@@ -138,7 +138,7 @@ static void touch(double t, struct input *gap)
 TEST(switch_locate_touch)
 {
     struct crossing c;
-    memset(start, 0, sizeof start);
+    memset(start_state, 0, sizeof start_state);
     gaps = touch;
     check_int("a switch", locate(1, 1.0, 1, &c), STEP_SWITCH);
     check_near("to where the gap is zero to rounding", c.done, 0.5, sqrt(8.0 * DBL_EPSILON));
@@ -168,7 +168,7 @@ static void check_first(const char *name, double zero0, double zero1, unsigned r
 TEST(switch_locate_contacts)
 {
     struct crossing c;
-    memset(start, 0, sizeof start);
+    memset(start_state, 0, sizeof start_state);
     gaps = three;
     zero[2] = 0.1; /* no contact of this model */
     check_first("the first contact", 0.3, 0.7, 3, 0);
@@ -188,20 +188,20 @@ static int turn;
 static void late_guesses(double t, struct input *gap)
 {
     double rate = 4.0 * t * t * t;
-    gap[turn] = (struct input){slope * (t - 0.6), slope};
-    gap[(turn + 1) % 3] = (struct input){slope * (t * t * t * t - 0.1), slope * rate};
-    gap[(turn + 2) % 3] = (struct input){slope * 0.5 * (t * t * t * t - 0.095), slope * 0.5 * rate};
+    gap[turn] = (struct input){line_slope * (t - 0.6), line_slope};
+    gap[(turn + 1) % 3] = (struct input){line_slope * (t * t * t * t - 0.1), line_slope * rate};
+    gap[(turn + 2) % 3] = (struct input){line_slope * 0.5 * (t * t * t * t - 0.095), line_slope * 0.5 * rate};
 }
 
 /* When contacts switch nearly at once, the first one is found, whatever their guesses. */
 TEST(switch_locate_order)
 {
     struct crossing c;
-    memset(start, 0, sizeof start);
+    memset(start_state, 0, sizeof start_state);
     gaps = late_guesses;
     for (int i = 0; i < 6; i++) {
         unsigned regime = i < 3 ? 7 : 0;
-        slope = i < 3 ? 1.0 : -1.0; /* opening, closing */
+        line_slope = i < 3 ? 1.0 : -1.0; /* opening, closing */
         turn = i % 3;
         check_int("of three", locate(3, 1.0, regime, &c), STEP_SWITCH);
         check_int("the first", c.contact, (turn + 2) % 3);
@@ -227,7 +227,7 @@ static void coming_back(double t, struct input *gap)
 TEST(switch_locate_back)
 {
     struct crossing c;
-    memset(start, 0, sizeof start);
+    memset(start_state, 0, sizeof start_state);
     gaps = coming_back;
     check_int("a switch", locate(2, 1.0, 3, &c), STEP_SWITCH);
     check_int("of the other contact", c.contact, 0);

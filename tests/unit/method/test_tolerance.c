@@ -16,7 +16,8 @@ static double scratch[METHOD_SCRATCH];
 static const double damping = 0.03; /* 2 xi */
 
 /* A rig of unit scale, step h. */
-static void start(struct plant *pl, const struct model *m, const struct method *method, double h, double tol)
+static void start_unit(struct plant *pl, const struct model *m, const struct method *method, double h,
+                       double tol)
 {
     double si[MODEL_PARAMETERS] = {0.0};
     for (int i = 0; i < m->n_parameters; i++)
@@ -59,7 +60,7 @@ TEST(tolerance_small)
             char text[128];
             double size = sizes[k % 3], tol = tols[k / 3 % 2], omega = omegas[k / 6];
             const struct method *method = k % 2 ? &auto_method : &taylor;
-            start(&pl, models[m], method, 0.098, tol);
+            start_unit(&pl, models[m], method, 0.098, tol);
             snprintf(text, sizeof text, "%s, %s, size %g at %g: error over tolerance %g", models[m]->name,
                      method->name, size, omega, tol);
             check_below(text, error_of(&pl, omega, size, 200) / tol, 1.0);
@@ -70,7 +71,7 @@ TEST(tolerance_small)
 TEST(tolerance_anew)
 {
     struct plant pl;
-    start(&pl, &hertz_rig, &taylor, 0.098, 1e-4);
+    start_unit(&pl, &hertz_rig, &taylor, 0.098, 1e-4);
     plant_set_state(&pl, (const double[]){3.0, 0.0});
     check_true("a large motion", plant_run(&pl, 300));
     check_below("error over tolerance of the small one", error_of(&pl, 0.65, 1e-7, 200) / 1e-4, 1.0);
@@ -88,7 +89,7 @@ TEST(tolerance_drives)
     const double h = 0.01, tol = 1e-4;
     struct harmonic none[MODEL_INPUTS] = {{0.0, 0.0, 0.0}}, drive[MODEL_INPUTS] = {{0.0, 0.0, 0.0}};
     struct plant pl;
-    start(&pl, &hertz_rig, &auto_method, h, tol);
+    start_unit(&pl, &hertz_rig, &auto_method, h, tol);
     check_taken("silence", &pl, &rk4);
     plant_drive(&pl, RIG_FORCE, 0.3, 0.9 / TWO_PI, 0.0, 0.0);
     check_taken("a slow drive", &pl, &rk4);

@@ -12,7 +12,7 @@
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"
 
-enum { TRIALS = 400 };
+enum { MODEL_TRIALS = 400 };
 
 /* One model with random parameters, state and inputs. */
 struct trial {
@@ -23,11 +23,6 @@ struct trial {
     double u_accel[MODEL_INPUTS];
 };
 
-static double between(uint64_t *seed, double low, double high)
-{
-    return low + (high - low) * exact_uniform(seed);
-}
-
 /* Default parameters times 0.7..1.4 as far as the model
  * accepts them; a whole-numbered one keeps its value. */
 static void random_parameters(struct trial *t, uint64_t *seed)
@@ -37,14 +32,14 @@ static void random_parameters(struct trial *t, uint64_t *seed)
         for (int i = 0; i < t->m->n_parameters; i++) {
             const struct parameter *q = &t->m->parameter[i];
             bool whole = !strcmp(q->name, "sign") || !strcmp(q->name, "mode") || !strcmp(q->name, "modes");
-            double value = q->initial * (whole ? 1.0 : between(seed, 0.7, 1.4));
+            double value = q->initial * (whole ? 1.0 : exact_between(seed, 0.7, 1.4));
             t->si[i] = value;
             if (!strcmp(q->name, "fast_stiffness"))
-                t->si[i] = between(seed, -0.3, 0.3);
+                t->si[i] = exact_between(seed, -0.3, 0.3);
             if (!strcmp(q->name, "sign") && exact_uniform(seed) < 0.5)
                 t->si[i] = -1.0;
             if (!strcmp(q->name, "mode"))
-                t->si[i] = 1.0 + floor(between(seed, 0.0, 2.999));
+                t->si[i] = 1.0 + floor(exact_between(seed, 0.0, 2.999));
         }
     } while (plant_check(t->m, t->si, &which));
     t->m->prepare(t->si, t->p, &t->scale);
@@ -56,10 +51,10 @@ static void random_trial(struct trial *t, const struct model *m, uint64_t *seed)
     t->m = m;
     random_parameters(t, seed);
     for (int i = 0; i < m->n_states; i++)
-        t->x[i] = between(seed, -2.5, 2.5);
+        t->x[i] = exact_between(seed, -2.5, 2.5);
     for (int i = 0; i < m->n_inputs; i++) {
-        t->u[i] = (struct input){between(seed, -1.5, 1.5), between(seed, -2.0, 2.0)};
-        t->u_accel[i] = between(seed, -2.0, 2.0);
+        t->u[i] = (struct input){exact_between(seed, -1.5, 1.5), exact_between(seed, -2.0, 2.0)};
+        t->u_accel[i] = exact_between(seed, -2.0, 2.0);
     }
 }
 
@@ -148,7 +143,7 @@ TEST(models_paper_state)
     uint64_t seed = 12;
     for (int k = 0; k < MODELS; k++) {
         double worst = 0.0;
-        for (int n = 0; model_table[k]->n_paper > 0 && n < TRIALS; n++) {
+        for (int n = 0; model_table[k]->n_paper > 0 && n < MODEL_TRIALS; n++) {
             struct trial t;
             double q[MODEL_STATES], back[MODEL_STATES];
             random_trial(&t, model_table[k], &seed);
@@ -167,7 +162,7 @@ TEST(models_energy)
     uint64_t seed = 13;
     for (int k = 0; k < MODELS; k++) {
         double worst = 0.0, worst_rhs = 0.0, least = 0.0;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < MODEL_TRIALS; n++) {
             struct trial t;
             struct flow f;
             double x_dot[MODEL_STATES], stored[2], power, dt;
@@ -237,7 +232,7 @@ TEST(models_linear_view)
         if (!model_table[k]->linear)
             continue;
         views++;
-        for (int n = 0; n < 4 * TRIALS; n++) {
+        for (int n = 0; n < 4 * MODEL_TRIALS; n++) {
             struct trial t;
             struct linear l;
             random_trial(&t, model_table[k], &seed);
@@ -263,7 +258,7 @@ TEST(models_hertz_form)
         if (!model_table[k]->hertz_form)
             continue;
         views++;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < MODEL_TRIALS; n++) {
             struct trial t;
             struct hertz_form f;
             struct input gap;
@@ -302,7 +297,7 @@ TEST(models_polynomial_form)
         if (!model_table[k]->polynomial_form)
             continue;
         views++;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < MODEL_TRIALS; n++) {
             struct trial t;
             struct polynomial_form f;
             double x_dot[MODEL_STATES];
@@ -349,7 +344,7 @@ static void compare_instance(int k, unsigned sounding, uint64_t *seed)
     if (why || why_b)
         check_string(copy.name, why ? why : why_b, "no refusal");
     for (int i = 0; i < copy.n_states; i++)
-        x[i] = i < copy.n_states / 2 ? 2.5 + 0.1 * i : between(seed, -1.0, 1.0);
+        x[i] = i < copy.n_states / 2 ? 2.5 + 0.1 * i : exact_between(seed, -1.0, 1.0);
     plant_set_state(&a, x);
     plant_set_state(&b, x);
     for (int i = 0; i < copy.n_inputs; i++) {

@@ -11,7 +11,7 @@
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"
 
-enum { TRIALS = 300 };
+enum { EQUATION_TRIALS = 300 };
 
 /* A moment of a motion in the paper's symbols: parameters, state q and q', time. */
 struct moment {
@@ -23,11 +23,6 @@ struct moment {
 static double parameter(const struct moment *k, const char *name)
 {
     return k->a[paper_index(k->m, name)];
-}
-
-static double between(uint64_t *seed, double low, double high)
-{
-    return low + (high - low) * exact_uniform(seed);
 }
 
 /* q'' from the model's rhs. `carried`: q = factor y + that input (Nayak's eta), else -1. */
@@ -51,7 +46,7 @@ static void ask_model(struct moment *k, double factor, int carried)
         k->accel -= drive[carried].omega * drive[carried].omega * u[carried].value;
 }
 
-static void report(const char *name, double worst)
+static void report_equation(const char *name, double worst)
 {
     char text[128];
     snprintf(text, sizeof text, "%s: worst acceleration error", name);
@@ -102,19 +97,19 @@ static void check_rig(const struct model *m, equation *f)
 {
     uint64_t seed = 21;
     double worst = 0.0;
-    for (int n = 0; n < TRIALS; n++) {
+    for (int n = 0; n < EQUATION_TRIALS; n++) {
         struct moment k = {.m = m};
         const double high[8] = {0.3, 1.0, 2.0, 6.0, 9.0, 3.0, 2.0, 2.0};
         for (int i = 0; i < 8; i++)
-            k.a[i] = between(&seed, 0.0, high[i]);
-        k.q[0] = between(&seed, -3.0, 3.0);
-        k.q[1] = between(&seed, -3.0, 3.0);
-        k.t = between(&seed, 0.0, 6.0);
+            k.a[i] = exact_between(&seed, 0.0, high[i]);
+        k.q[0] = exact_between(&seed, -3.0, 3.0);
+        k.q[1] = exact_between(&seed, -3.0, 3.0);
+        k.t = exact_between(&seed, 0.0, 6.0);
         ask_model(&k, 1.5, -1);
         double expected = -f(&k);
         exact_worst(&worst, (long double)(fabs((k.accel - expected) / (1.0 + fabs(expected)))));
     }
-    report(m->name, worst);
+    report_equation(m->name, worst);
 }
 
 TEST(models_rig_equations)
@@ -130,12 +125,13 @@ static void check_rolling(const struct model *m)
 {
     uint64_t seed = 22;
     double worst = 0.0;
-    for (int n = 0; n < TRIALS; n++) {
-        struct moment k = {.m = m,
-                           .a = {between(&seed, 0, 0.3), between(&seed, 0, 2), between(&seed, 0, 3), 0.4}};
-        k.q[0] = between(&seed, -2.0, 4.0);
-        k.q[1] = between(&seed, -3.0, 3.0);
-        k.t = between(&seed, 0.0, 6.0);
+    for (int n = 0; n < EQUATION_TRIALS; n++) {
+        struct moment k = {
+            .m = m,
+            .a = {exact_between(&seed, 0, 0.3), exact_between(&seed, 0, 2), exact_between(&seed, 0, 3), 0.4}};
+        k.q[0] = exact_between(&seed, -2.0, 4.0);
+        k.q[1] = exact_between(&seed, -3.0, 3.0);
+        k.t = exact_between(&seed, 0.0, 6.0);
         ask_model(&k, 1.0, ROLLING_WAVINESS);
         double W = parameter(&k, "Omega"), zeta = parameter(&k, "zeta"), xi0 = parameter(&k, "xi0");
         double angle = W * k.t + parameter(&k, "phi"), eta = fmax(0.0, k.q[0]);
@@ -144,7 +140,7 @@ static void check_rolling(const struct model *m)
             -2.0 * zeta * k.q[1] - spring - W * W * xi0 * cos(angle) - 2.0 * zeta * W * xi0 * sin(angle);
         exact_worst(&worst, (long double)(fabs((k.accel - expected) / (1.0 + fabs(expected)))));
     }
-    report(m->name, worst);
+    report_equation(m->name, worst);
 }
 
 TEST(models_rolling_equations)
@@ -188,20 +184,20 @@ static void check_tip(const struct model *m, equation *f)
 {
     uint64_t seed = 23;
     double worst = 0.0;
-    for (int n = 0; n < TRIALS; n++) {
+    for (int n = 0; n < EQUATION_TRIALS; n++) {
         struct moment k = {.m = m};
         const double high[7] = {0.95, 0.3, 1.0, 3.0, 1.0, 2.0, 6.0};
         for (int i = 0; i < 7; i++)
-            k.a[i] = between(&seed, 0.01, high[i]);
+            k.a[i] = exact_between(&seed, 0.01, high[i]);
         k.a[7] = n % 2 ? 1.0 : -1.0;
-        k.q[0] = between(&seed, -2.0, 2.0);
-        k.q[1] = between(&seed, -2.0, 2.0);
-        k.t = between(&seed, 0.0, 6.0);
+        k.q[0] = exact_between(&seed, -2.0, 2.0);
+        k.q[1] = exact_between(&seed, -2.0, 2.0);
+        k.t = exact_between(&seed, 0.0, 6.0);
         ask_model(&k, -1.0, -1);
         double expected = -f(&k);
         exact_worst(&worst, (long double)(fabs((k.accel - expected) / (1.0 + fabs(expected)))));
     }
-    report(m->name, worst);
+    report_equation(m->name, worst);
 }
 
 TEST(models_tip_equations)
@@ -314,12 +310,12 @@ TEST(models_tip_averaged)
 {
     uint64_t seed = 24;
     double worst = 0.0;
-    for (int n = 0; n < TRIALS; n++) {
+    for (int n = 0; n < EQUATION_TRIALS; n++) {
         double c[4], expected[4], sign = n % 2 ? 1.0 : -1.0;
-        double a[8] = {between(&seed, 0.1, 0.95),
+        double a[8] = {exact_between(&seed, 0.1, 0.95),
                        0.02,
-                       between(&seed, 0, 1),
-                       between(&seed, 0.8, 4),
+                       exact_between(&seed, 0, 1),
+                       exact_between(&seed, 0.8, 4),
                        0.0,
                        1.0,
                        0.0,

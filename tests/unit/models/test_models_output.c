@@ -12,7 +12,7 @@
 #include "firmware/plant/plant.h"
 #include "tests/fixture/exact.h"
 
-enum { TRIALS = 200 };
+enum { OUTPUT_TRIALS = 200 };
 
 /* A model at its default parameters in a random state with random inputs, seen from outside in SI. */
 struct view {
@@ -55,7 +55,7 @@ static void look(const struct model *m, double sign, uint64_t *seed, struct view
     v->flow_force = flow.force * s.force_N;
 }
 
-static void report(const struct model *m, const char *what, double worst)
+static void report_output(const struct model *m, const char *what, double worst)
 {
     char text[128];
     snprintf(text, sizeof text, "%s: %s, relative", m->name, what);
@@ -87,7 +87,7 @@ TEST(models_output_rig)
     uint64_t seed = 41;
     for (int k = 0; k < 4; k++) {
         double force = 0.0, motion = 0.0;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < OUTPUT_TRIALS; n++) {
             struct view v;
             look(all[k], 1.0, &seed, &v);
             double applied = v.si[RIG_PRELOAD] + v.input[RIG_FORCE] + v.input[RIG_FAST_FORCE];
@@ -98,8 +98,8 @@ TEST(models_output_rig)
             off(&force, v.flow_force, contact, size);
             check_motion(all[k], &v, v.position - v.input[RIG_BASE], &motion);
         }
-        report(all[k], "contact force off Newton's law", force);
-        report(all[k], "motion and compression", motion);
+        report_output(all[k], "contact force off Newton's law", force);
+        report_output(all[k], "motion and compression", motion);
     }
 }
 
@@ -110,7 +110,7 @@ TEST(models_output_rolling)
     uint64_t seed = 42;
     for (int k = 0; k < 2; k++) {
         double force = 0.0, motion = 0.0;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < OUTPUT_TRIALS; n++) {
             struct view v;
             look(all[k], 1.0, &seed, &v);
             double applied = v.si[RIG_PRELOAD] + v.input[ROLLING_FORCE];
@@ -120,8 +120,8 @@ TEST(models_output_rolling)
             off(&force, v.flow_force, contact, size);
             check_motion(all[k], &v, v.position + v.input[ROLLING_WAVINESS], &motion);
         }
-        report(all[k], "contact force off Newton's law", force);
-        report(all[k], "motion and compression", motion);
+        report_output(all[k], "contact force off Newton's law", force);
+        report_output(all[k], "motion and compression", motion);
     }
 }
 
@@ -134,7 +134,7 @@ TEST(models_output_tip)
     for (int k = 0; k < 8; k++) {
         const struct model *m = all[k / 2];
         double force = 0.0, motion = 0.0, sign = k % 2 ? 1.0 : -1.0;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < OUTPUT_TRIALS; n++) {
             struct view v;
             look(m, sign, &seed, &v);
             double rest = v.si[TIP_CONTACT_STIFFNESS] * pow(v.si[TIP_INDENTATION], 1.5);
@@ -146,8 +146,8 @@ TEST(models_output_tip)
             off(&force, v.flow_force, contact, size);
             check_motion(m, &v, v.position, &motion);
         }
-        report(m, "contact force off Newton's law", force);
-        report(m, "motion and compression", motion);
+        report_output(m, "contact force off Newton's law", force);
+        report_output(m, "motion and compression", motion);
     }
 }
 
@@ -158,7 +158,7 @@ TEST(models_output_shaft)
     uint64_t seed = 44;
     for (int k = 0; k < 2; k++) {
         double force = 0.0, motion = 0.0;
-        for (int n = 0; n < TRIALS; n++) {
+        for (int n = 0; n < OUTPUT_TRIALS; n++) {
             struct view v;
             double over[2], f[2];
             look(all[k], 1.0, &seed, &v);
@@ -176,8 +176,8 @@ TEST(models_output_shaft)
             off(&force, v.out[3], fmax(fabs(f[0]), fabs(f[1])), 3e-4 * v.si[SHAFT_KG1]);
             off(&force, v.flow_force, v.out[3], 3e-4 * v.si[SHAFT_KG1]);
         }
-        report(all[k], "gap forces", force);
-        report(all[k], "motion and compression", motion);
+        report_output(all[k], "gap forces", force);
+        report_output(all[k], "motion and compression", motion);
     }
 }
 

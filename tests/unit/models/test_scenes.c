@@ -17,7 +17,7 @@ static struct plant plant;
 static double scratch[METHOD_SCRATCH];
 
 /* The plant of a scene with so many times its substeps; the step guard's word, or NULL. */
-static const char *start(const struct scene *s, double finer)
+static const char *start_scene(const struct scene *s, double finer)
 {
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -48,7 +48,7 @@ TEST(scenes_presets)
             clash |= !strcmp(p->name, model_table[k]->name);
         snprintf(name, sizeof name, "%s: named once, titled, nothing in it contradicts", p->name);
         check_true(name, !clash && *p->title && !scene_check(&p->scene, why));
-        const char *reason = start(&p->scene, 1.0);
+        const char *reason = start_scene(&p->scene, 1.0);
         bool escapes = strstr(p->title, ": escapes") != NULL;
         int frames = escapes ? 10 : 20;
         snprintf(name, sizeof name, "%s: %s", p->name, reason ? reason : "frames without a fault");
@@ -69,7 +69,7 @@ TEST(scenes_default)
     for (int i = 0; i < MODELS; i++) {
         scenes_default(&s, model_table[i]);
         check_true(model_table[i]->name, !scene_check(&s, why));
-        check_no_error(model_table[i]->name, start(&s, 1.0));
+        check_no_error(model_table[i]->name, start_scene(&s, 1.0));
         check_true(model_table[i]->name, plant_run(&plant, 640));
         check_string("  observable", model_table[i]->output_signal[s.observable].name, "penetration");
     }
@@ -80,15 +80,15 @@ TEST(scenes_begin)
 {
     static const double f0[] = {1.842016, 0.0};
     const struct preset *p = scenes_find("nayak-fig3");
-    check_true("free flight starts", p && !start(&p->scene, 1.0));
+    check_true("free flight starts", p && !start_scene(&p->scene, 1.0));
     check_near("eta at the limit of contact loss, (5/2)^(2/3)", plant.x[0], f0[0], 0.0);
     p = scenes_find("rig");
-    check_true("the rig starts", p && !start(&p->scene, 1.0));
+    check_true("the rig starts", p && !start_scene(&p->scene, 1.0));
     check_near("at rest", plant.x[0], 1.0, 0.0);
     check_near("its drive sounds, N", plant.segment.at[2][RIG_FORCE].value * plant.scale.force_N, 20.0,
                1e-12);
     p = scenes_find("tip");
-    check_true("the tip starts", p && !start(&p->scene, 1.0));
+    check_true("the tip starts", p && !start_scene(&p->scene, 1.0));
     /* one tick is 1/64000 s on the bus, 1000 times less for the tip: 150 kHz turn by 0.00234375 */
     check_near("turns of its drive per tick", 2.0 * turns_to_double(plant.drive[TIP_FORCE].step >> 1),
                150e3 / 64e6, 1e-15);
@@ -131,14 +131,14 @@ TEST(scenes_figures)
     for (size_t i = 0; i < sizeof figure / sizeof figure[0]; i++) {
         const struct preset *p = scenes_find(figure[i].name);
         double max = 0.0, min = 0.0;
-        check_true(figure[i].name, p && !start(&p->scene, 2.0));
+        check_true(figure[i].name, p && !start_scene(&p->scene, 2.0));
         extremes(&p->scene, 1000.0, 1650.0, &max, &min);
         check_near("  largest q", max, figure[i].max, 1e-3);
         check_near("  smallest q", min, figure[i].min, 1e-3);
     }
     const struct preset *p = scenes_find("shaft-fig12");
     double max, min;
-    check_true("shaft-fig12", p && !start(&p->scene, 1.0));
+    check_true("shaft-fig12", p && !start_scene(&p->scene, 1.0));
     extremes(&p->scene, 5.0, 5.2, &max, &min);
     /* between the branch's points 28.89753586 Hz, 11.48743983 mm and 28.90043122 Hz, 11.48887537 mm */
     check_near("  peak of x1, m", max, 0.01148866, 1e-7);

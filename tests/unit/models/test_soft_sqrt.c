@@ -6,14 +6,14 @@
 #include <stdint.h>
 #include "linker/soft_sqrt.h"
 
-enum { N_RANDOM = 2000000, N_ROOTS = 300000, EXPONENTS = 2047, AROUND = 40, DIGITS = 52 };
+enum { N_OPERANDS = 2000000, N_ROOTS = 300000, EXPONENTS = 2047, AROUND = 40, DIGITS = 52 };
 
 union binary64 {
     double x;
     uint64_t bits;
 };
 
-static uint64_t next_random(uint64_t *state)
+static uint64_t next_bits(uint64_t *state)
 {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return *state ^ (*state >> 29);
@@ -69,8 +69,8 @@ TEST(soft_sqrt_random)
 {
     uint64_t random = 1;
     int64_t differing = 0, subnormal = 0;
-    for (int i = 0; i < N_RANDOM; i++) {
-        uint64_t bits = next_random(&random);
+    for (int i = 0; i < N_OPERANDS; i++) {
+        uint64_t bits = next_bits(&random);
         differing += differs(bits >> 1);
         subnormal += differs(bits >> 1 >> (11 + bits % DIGITS));
     }
@@ -83,15 +83,15 @@ TEST(soft_sqrt_random)
 TEST(soft_sqrt_halfway)
 {
     uint64_t random = 2;
-    int64_t exact = 0, half = 0, rest = 0;
+    int64_t squares = 0, half = 0, rest = 0;
     for (int i = 0; i < N_ROOTS; i++) {
-        uint64_t bits = next_random(&random);
+        uint64_t bits = next_bits(&random);
         double k = (double)(bits >> 11 | UINT64_C(1) << DIGITS), small = (double)(bits >> 38);
-        exact += differing_around((union binary64){k * k}.bits, 3);
+        squares += differing_around((union binary64){k * k}.bits, 3);
         half += differing_around((union binary64){k * k + k}.bits, 3);
         rest += soft_sqrt(small * small) != small;
     }
-    check_int("differing next to squares", exact, 0);
+    check_int("differing next to squares", squares, 0);
     check_int("next to halves", half, 0);
     check_int("roots of squares that are not exact", rest, 0);
 }

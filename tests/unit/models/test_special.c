@@ -11,7 +11,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { TICKS = 16, FLOAT_BITS = 32 };
+enum { FLOAT_BITS = 32 };
 
 static const double special[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, DBL_MAX, -DBL_MAX, 1e39,
                                  -1e39,       5e-324,           -5e-324,           1e-310,  1e-40,    -1e-40};
@@ -85,7 +85,7 @@ static const uint32_t pattern[] = {0x7FC00000, 0xFFC00000, 0x7F800001, 0xFFFFFFF
                                    0x7F7FFFFF, 0xFF7FFFFF, 0x00000001, 0x80000001, 0x007FFFFF, 0x807FFFFF};
 enum { PATTERNS = sizeof pattern / sizeof pattern[0], OUT_OF_EVERY_RANGE = 8 };
 
-static void start(void)
+static void start_paused(void)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -111,7 +111,7 @@ static void put_bits(unsigned kind, double index, const struct field *d, uint32_
     struct frame f;
     uint64_t word;
     bool stream = kind >= WIRE_STREAM && kind < WIRE_STREAM + MODEL_INPUTS;
-    double frame = (double)(bus.app.plant.now.tick / TICKS + 1);
+    double frame = (double)(bus.app.plant.now.tick / BUS_TICKS + 1);
     bus_encode(&bus, kind, (double[WIRE_FIELDS]){0, stream ? frame : index}, &f);
     memcpy(&word, f.data, sizeof word); /* little endian, as the machines that run the tests */
     word |= (uint64_t)bits << d->start;
@@ -154,7 +154,7 @@ TEST(special_commands)
         for (int i = 0; l && i < l->n_fields; i++)
             floats += l->field[i].kind == FIELD_FLOAT;
     }
-    start();
+    start_paused();
     for (unsigned i = 0; i < MODEL_INPUTS; i++, known += 2) {
         for (int field = 0; field < ARM_FIELDS; field++)
             every_pattern(WIRE_ARM + i, field, &t);

@@ -19,7 +19,7 @@ static double value_at(uint32_t tick, uint32_t i)
     return 100.0 * tick + i;
 }
 
-static void add(struct capture *c, float *memory, uint32_t tick)
+static void add_sample(struct capture *c, float *memory, uint32_t tick)
 {
     double signal[2] = {value_at(tick, 0), value_at(tick, 1)};
     capture_add(c, memory, signal);
@@ -54,18 +54,18 @@ static int run_burst(const struct burst *b)
         !capture_arm(&c, n_floats, b->n_signals, b->n_samples, b->pretrigger, b->every, TRIGGER_LIFTOFF);
     for (; tick < b->trigger; tick++) {
         wrong += capture_wants(&c) != (tick % b->every == 0) || c.state != CAPTURE_ARMED;
-        add(&c, memory, tick);
+        add_sample(&c, memory, tick);
     }
     capture_trigger_now(&c, TRIGGER_LIFTOFF, tick);
     wrong += c.trigger_tick != b->trigger || c.pretrigger != kept;
     for (; kept < b->n_samples && tick <= last; tick++) {
         wrong += c.state != CAPTURE_FILLING || capture_read(&c, &r, 0, 1);
         wrong += capture_wants(&c) != (tick % b->every == 0);
-        add(&c, memory, tick);
+        add_sample(&c, memory, tick);
     }
     wrong += c.state != CAPTURE_FULL || capture_wants(&c) || c.filled > b->n_samples;
     for (uint32_t i = 0; i < 5; i++) /* a full burst takes nothing more */
-        add(&c, memory, tick + i);
+        add_sample(&c, memory, tick + i);
     wrong += !capture_read(&c, &r, 0, b->n_samples);
     for (uint32_t i = 0; i < n_floats; i++) {
         wrong += !capture_next(&c, &r, memory, &signal, &sample, &value);
@@ -126,16 +126,16 @@ TEST(capture_triggers)
         if (t != TRIGGER_TOUCHDOWN)
             capture_trigger_now(&c, (enum capture_trigger)t, 7);
     check_int("other triggers do nothing", c.state, CAPTURE_ARMED);
-    add(&c, memory, 0);
+    add_sample(&c, memory, 0);
     capture_trigger_now(&c, TRIGGER_TOUCHDOWN, 1);
     check_int("the right one begins the second part", c.state, CAPTURE_FILLING);
-    add(&c, memory, 1);
+    add_sample(&c, memory, 1);
     capture_trigger_now(&c, TRIGGER_TOUCHDOWN, 2);
     check_int("a second one changes nothing: tick", (int64_t)c.trigger_tick, 1);
     check_int("... samples left", c.left, 2);
     check_true("armed again while filling", capture_arm(&c, 8, 2, 4, 4, 1, TRIGGER_FAULT));
     for (uint32_t k = 10; k < 16; k++)
-        add(&c, memory, k);
+        add_sample(&c, memory, k);
     capture_trigger_now(&c, TRIGGER_FAULT, 16);
     check_int("pretrigger = n_samples: full at the trigger", c.state, CAPTURE_FULL);
     check_true("... readable",
@@ -144,7 +144,7 @@ TEST(capture_triggers)
     check_true("armed again while being read", capture_arm(&c, 8, 2, 4, 4, 1, TRIGGER_FAULT));
     check_true("... the read-out is over", !capture_next(&c, &r, memory, &signal, &sample, &value));
     for (uint32_t k = 20; k < 26; k++)
-        add(&c, memory, k);
+        add_sample(&c, memory, k);
     capture_trigger_now(&c, TRIGGER_FAULT, 26);
     check_true("... and stays over when the next burst is full",
                c.state == CAPTURE_FULL && !capture_next(&c, &r, memory, &signal, &sample, &value));
@@ -157,10 +157,10 @@ TEST(capture_read)
     float memory[8], value;
     uint32_t signal, sample;
     int wrong = !capture_arm(&c, 8, 2, 4, 0, 1, TRIGGER_COMMAND);
-    add(&c, memory, 0);
+    add_sample(&c, memory, 0);
     capture_trigger_now(&c, TRIGGER_COMMAND, 1);
     for (uint32_t k = 1; k <= 4; k++)
-        add(&c, memory, k);
+        add_sample(&c, memory, k);
     for (uint32_t first = 0; first <= 6; first++)
         for (uint32_t count = 0; count <= 6; count++) {
             wrong += capture_read(&c, &r, first, count) != (first + count <= 4);

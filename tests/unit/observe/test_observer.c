@@ -4,7 +4,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { FRAMES = 60 };
+enum { SEEN_FRAMES = 60 };
 
 static struct bus bus;
 
@@ -29,7 +29,7 @@ static uint64_t run(struct seen *s)
     bus_start_running(&bus, &c);
     bus_drive(&bus, RIG_FORCE, 20.0, 225.0, 0.0, 0.0);
     bus_fire(&bus, 1u << RIG_FORCE, false, bus.app.plant.now.tick + 3, 128);
-    bus_run(&bus, FRAMES);
+    bus_run(&bus, SEEN_FRAMES);
     return plant_hash(&bus.app.plant);
 }
 
@@ -52,8 +52,8 @@ TEST(observer_silent)
     c.observe = look;
     c.observer = &s;
     bus_start_running(&bus, &c);
-    bus_run(&bus, FRAMES);
+    bus_run(&bus, SEEN_FRAMES);
     check_int("ticks seen", (long)s.ticks, (long)bus.app.plant.now.tick);
-    check_is("of all frames but the first", s.ticks, >=, (FRAMES - 1) * BUS_TICKS);
+    check_is("of all frames but the first", s.ticks, >=, (SEEN_FRAMES - 1) * BUS_TICKS);
     check_int("out of order", (long)s.wrong, 0);
 }

@@ -20,7 +20,7 @@ static double set(int kind, int signal, double value)
 }
 
 /* Running, with the mass driven so hard that contact is lost. */
-static void start(void)
+static void start_sensed(void)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -78,7 +78,7 @@ static double plain(int i, uint64_t k)
 
 TEST(sensor_none)
 {
-    start();
+    start_sensed();
     check_int("no fault: numbers that are not the truth in 250 frames", differences(250, 0, plain), 0);
     check_above("contact was lost, times", bus.app.plant.counts.switches, 10);
     bus_run(&bus, 5 * DIAG_COUNTERS);
@@ -95,7 +95,7 @@ static double shifted(int i, uint64_t k)
 TEST(sensor_offset)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
-        start();
+        start_sensed();
         run_one();
         by = set(SET_SENSOR_OFFSET, i, (i % 2 ? -1000 : 1000) * bus.scene.lsb[i]);
         check_int(setting_table[SET_SENSOR_OFFSET + i].name, differences(100, i, shifted), 0);
@@ -140,13 +140,13 @@ static void check_moments(int n)
 TEST(sensor_noise)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
-        start();
+        start_sensed();
         run_one();
         set(SET_SENSOR_SEED, 0, SEED);
         by = set(SET_SENSOR_NOISE, i, 300 * bus.scene.lsb[i]);
         check_int(setting_table[SET_SENSOR_NOISE + i].name, differences(100, i, noisy), 0);
     }
-    start();
+    start_sensed();
     for (int i = 0; i < SENSOR_SIGNALS; i++)
         set(SET_SENSOR_NOISE, i, 1000 * bus.scene.lsb[i]);
     check_moments(20000);
@@ -163,7 +163,7 @@ static double stuck_value(int i, uint64_t k)
 TEST(sensor_stuck)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
-        start();
+        start_sensed();
         for (int f = 0; f < 40; f++)
             run_one();
         stuck_at = told(i);
@@ -200,7 +200,7 @@ TEST(sensor_saturation)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
         int high = 0, low = 0, within = 0;
-        start();
+        start_sensed();
         for (int f = 0; f < 60; f++)
             run_one();
         by = set(SET_SENSOR_SATURATION, i, 0.3 * fabs(truth[i][60]) + 0.3 * fabs(truth[i][59]));
@@ -224,7 +224,7 @@ static double stepped(int i, uint64_t k)
 TEST(sensor_quantum)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
-        start();
+        start_sensed();
         run_one();
         by = set(SET_SENSOR_QUANTUM, i, 512 * bus.scene.lsb[i]);
         check_int(setting_table[SET_SENSOR_QUANTUM + i].name, differences(200, i, stepped), 0);
@@ -274,11 +274,11 @@ TEST(sensor_delay)
 TEST(sensor_skipped)
 {
     double before[SENSOR_SIGNALS][FRAMES + 1];
-    start();
+    start_sensed();
     for (int f = 0; f < 100; f++)
         run_one();
     memcpy(before, truth, sizeof before);
-    start();
+    start_sensed();
     bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, OVERRUN_SKIP);
     for (int i = 0; i < SENSOR_SIGNALS; i++)
         set(SET_SENSOR_DELAY, i, late[i] = 10);
@@ -305,7 +305,7 @@ static double chain(int i, uint64_t k)
 TEST(sensor_order)
 {
     for (int i = 0; i < SENSOR_SIGNALS; i++) {
-        start();
+        start_sensed();
         double lsb = bus.scene.lsb[i];
         for (int f = 0; f < 40; f++)
             run_one();
@@ -346,7 +346,7 @@ TEST(sensor_not_available)
         check_nan("not available stays so under all faults", sensor_read(&s, setting, 0, &said[0]));
         check_true("another one not", frame == 1 || !isnan(sensor_read(&s, setting, 3, &said[1])));
     }
-    start();
+    start_sensed();
     set(SET_SENSOR_OFFSET, 0, 1e6);
     run_one();
     check_int("what no longer fits the wire is not available", told(0), NONE);
@@ -355,7 +355,7 @@ TEST(sensor_not_available)
     check_int("and fits again within a limit", told(0), 1000000);
 }
 
-static uint32_t add(uint32_t crc, const struct message *m)
+static uint32_t add_message(uint32_t crc, const struct message *m)
 {
     crc = wire_crc32(crc, &m->kind, 1);
     return wire_crc32(crc, (const uint8_t *)m->value, wire_layout(m->kind)->n_fields * (int)sizeof *m->value);
@@ -366,7 +366,7 @@ static uint32_t add(uint32_t crc, const struct message *m)
 static uint64_t session(double on, double seed, uint32_t crc[2])
 {
     crc[0] = crc[1] = 0;
-    start();
+    start_sensed();
     set(SET_SENSOR_SEED, 0, seed);
     bus_set(&bus, SETTING_FIRST + SET_HASH_EVERY, 1);
     bus_set(&bus, SETTING_FIRST + SET_CAPTURE_TRIGGER, TRIGGER_LIFTOFF);
@@ -385,7 +385,7 @@ static uint64_t session(double on, double seed, uint32_t crc[2])
             const struct message *m = &bus.seen[i];
             bool sensed = m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT;
             if (m->kind != WIRE_PARAM_ECHO && m->kind != WIRE_HEALTH)
-                crc[!sensed] = add(crc[!sensed], m);
+                crc[!sensed] = add_message(crc[!sensed], m);
         }
     }
     return plant_hash(&bus.app.plant);
@@ -408,7 +408,7 @@ TEST(sensor_truth)
 
 TEST(sensor_reset)
 {
-    start();
+    start_sensed();
     by = set(SET_SENSOR_OFFSET, 0, 1000 * bus.scene.lsb[0]);
     check_int("offset", differences(30, 0, shifted), 0);
     bus_order(&bus, CONTROL_PAUSE);
@@ -443,7 +443,7 @@ TEST(sensor_refused)
                 {SET_SENSOR_STUCK + 2, 0, 0.5},
                 {SET_SENSOR_SEED, 65535, 65536},
                 {SET_SENSOR_SEED, 0, 0.5}};
-    start();
+    start_sensed();
     for (unsigned i = 0; i < sizeof edge / sizeof edge[0]; i++) {
         unsigned index = SETTING_FIRST + (unsigned)edge[i].setting;
         bus_set(&bus, index, edge[i].good);

@@ -368,7 +368,7 @@ TEST(watch_bus)
 }
 
 /* A driven session with lock-in and a burst; returns the messages. */
-static int session(const struct watch_limits *l, struct message *said)
+static int watched_session(const struct watch_limits *l, struct message *said)
 {
     struct app_config c = swinging(NULL);
     c.watch = l;
@@ -387,8 +387,8 @@ TEST(watch_silent)
 {
     static struct message with[BUS_SEEN], without[BUS_SEEN];
     const struct watch_limits l = {PENETRATION, 0.0, 1.0};
-    int n = session(&l, with), off = 0, lockin = bus_count(&bus, WIRE_LOCKIN);
-    check_int("messages without a watch", session(NULL, without), n);
+    int n = watched_session(&l, with), off = 0, lockin = bus_count(&bus, WIRE_LOCKIN);
+    check_int("messages without a watch", watched_session(NULL, without), n);
     for (int i = 0; i < n; i++) {
         const struct message *a = &with[i], *b = &without[i];
         bool timing = a->kind == WIRE_HEALTH && a->value[HEALTH_ITEM] >= DIAG_COMPUTE_MAX_US &&

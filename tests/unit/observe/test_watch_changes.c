@@ -22,7 +22,7 @@ static const struct watch_limits any_change = {MODEL_CHANGES, -(double)INFINITY,
 
 /* The rig on the bus, running, a drive sounding where
  * it is asked for; its watch begins to count from here. */
-static void start(bool driven)
+static void start_changes(bool driven)
 {
     struct app_config c = bus_config();
     c.watch = &any_change;
@@ -58,7 +58,7 @@ static void check_next_frame(const char *what, uint64_t tick)
 TEST(watch_changes_fire)
 {
     for (unsigned fraction = 0; fraction < 256; fraction += 128) {
-        start(false);
+        start_changes(false);
         uint64_t tick = now() + 3 * BUS_TICKS + 5;
         bus_drive(&bus, RIG_FORCE, 2.0, 50.0, 0.0, 0.0);
         bus_drive(&bus, RIG_BASE, 1e-9, 70.0, 0.0, 0.0);
@@ -76,10 +76,10 @@ TEST(watch_changes_fire)
 TEST(watch_changes_kinds)
 {
     double mass = hertz_rig.parameter[RIG_MASS].initial;
-    start(false);
+    start_changes(false);
     bus_set(&bus, RIG_MASS, mass);
     check_next_frame("a parameter", now() + 1);
-    start(false);
+    start_changes(false);
     struct staged set = {{0}, {0}};
     uint64_t tick = now() + BUS_TICKS + 7;
     staged_put(&set, RIG_MASS, mass);
@@ -88,12 +88,12 @@ TEST(watch_changes_kinds)
     bus_fire(&bus, 0, true, tick, 64);
     bus_run(&bus, 1);
     check_next_frame("a parameter with a FIRE", tick + 1);
-    start(false);
+    start_changes(false);
     tick = now() + 2 * BUS_TICKS;
     bus_stream(&bus, RIG_FORCE, tick / BUS_TICKS, 1.0);
     bus_run(&bus, 2);
     check_next_frame("a sample", tick + 1);
-    start(false);
+    start_changes(false);
     tick = now() + 3;
     bus_arm(&bus, RIG_FORCE, ARM_NOISE, 0.1);
     bus_fire(&bus, 1u << RIG_FORCE, false, tick, 1);
@@ -106,7 +106,7 @@ TEST(watch_changes_stop)
 {
     for (int driven = 0; driven < 2; driven++)
         for (int by_enable = 0; by_enable < 2; by_enable++) {
-            start(driven);
+            start_changes(driven);
             uint64_t tick = now();
             if (by_enable)
                 bus_enable(&bus, false);
@@ -128,7 +128,7 @@ TEST(watch_changes_stop)
  * with its own first tick the plant is outside again. */
 TEST(watch_changes_reset)
 {
-    start(false);
+    start_changes(false);
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 2);
     bus_order(&bus, CONTROL_RESET);
@@ -154,7 +154,7 @@ TEST(watch_changes_timeout)
     static const enum reaction reactions[] = {REACTION_RAMP, REACTION_ZERO, REACTION_HOLD};
     for (int k = 0; k < 6; k++) {
         bool driven = k % 2 == 0, ended = driven && reactions[k / 2] != REACTION_HOLD;
-        start(driven);
+        start_changes(driven);
         bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, 10.0);
         bus_set(&bus, SETTING_FIRST + SET_REACTION, reactions[k / 2]);
         bus_set(&bus, SETTING_FIRST + SET_REACTION_RAMP_S, 0.002);
@@ -173,7 +173,7 @@ TEST(watch_changes_timeout)
 /* Commands that are refused, only ask, or touch neither drives nor parameters nor state: no trip. */
 TEST(watch_changes_none)
 {
-    start(true);
+    start_changes(true);
     bus_arm(&bus, RIG_FORCE, ARM_AMPLITUDE, 3.0);
     bus_fire(&bus, 1u << RIG_FORCE, false, now() - 3, 0);    /* late */
     bus_fire(&bus, 1u << RIG_BASE, false, now() + 3, 0);     /* nothing armed */

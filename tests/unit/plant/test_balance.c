@@ -16,11 +16,11 @@ enum { FRAMES = 100 /* from one look to the next */ };
 static const double alarm = 0.01;
 
 static struct plant plant;
-static double scratch[METHOD_SCRATCH];
+static double balance_scratch[METHOD_SCRATCH];
 
 /* The scene, or with `tol` another tolerance, with drives and
  * start `size` times as far from rest. False: the method refuses. */
-static bool start(const struct scene *s, const struct method *method, double tol, double size)
+static bool start_scaled(const struct scene *s, const struct method *method, double tol, double size)
 {
     double si[MODEL_PARAMETERS], rest[MODEL_STATES], x[MODEL_STATES];
     struct harmonic drive[MODEL_INPUTS];
@@ -36,7 +36,7 @@ static bool start(const struct scene *s, const struct method *method, double tol
                                    .tick_s = s->frame_s / s->substeps,
                                    .dilation = s->dilation,
                                    .tol = tol > 0.0 ? tol : s->tolerance,
-                                   .scratch = scratch};
+                                   .scratch = balance_scratch};
     if (plant_init(&plant, &c))
         return false;
     plant_scene_begin(&plant, &small, si, drive);
@@ -70,8 +70,8 @@ TEST(balance_quiet)
         double worst = 0.0;
         int runs = 0;
         for (int m = 0; m < METHODS; m++)
-            for (int k = (i + m) % 2; k < 5 && start(&scenes_table[i].scene, method_table[m], 0.0, size[k]);
-                 k += 2, runs++)
+            for (int k = (i + m) % 2;
+                 k < 5 && start_scaled(&scenes_table[i].scene, method_table[m], 0.0, size[k]); k += 2, runs++)
                 worst = fmax(worst, worst_of(&scenes_table[i].scene, 10));
         /* modal alone, and auto that takes it, for a lever */
         check_above("methods and sizes", runs, scenes_table[i].scene.model->modal_form ? 4 : 6);
@@ -85,20 +85,20 @@ TEST(balance_decayed)
     static const double tol[] = {1e-3, 1e-6};
     for (int i = 0; i < SCENES; i += 3)
         for (int k = 0; k < 2; k++)
-            if (start(&scenes_table[i].scene, &auto_method, tol[k], 1.0))
+            if (start_scaled(&scenes_table[i].scene, &auto_method, tol[k], 1.0))
                 check_below(scenes_table[i].name, worst_of(&scenes_table[i].scene, 20), alarm);
 }
 
 /* ---- spoiled ---- */
 
 /* rk4, and afterwards all velocities times this. */
-static double factor;
+static double spoil_factor;
 static enum step_status spoiled(const struct model *m, const double *p, double *w, const struct segment *e,
                                 unsigned regime, double *x, struct crossing *c)
 {
     enum step_status s = rk4.bind(m)(m, p, w, e, regime, x, c);
     for (int i = m->n_states / 2; i < m->n_states; i++)
-        x[i] *= factor;
+        x[i] *= spoil_factor;
     return s;
 }
 
@@ -117,13 +117,14 @@ static void swing(const struct model *m, double size, double share)
                                    .method = &rk4,
                                    .tick_s = 0.05 / m->eigenfrequency(p) * scale.time_s,
                                    .dilation = 1.0,
-                                   .scratch = scratch};
+                                   .scratch = balance_scratch};
     check_no_error(m->name, plant_init(&plant, &c));
     m->rest(p, x);
     x[0] += size;
     plant_set_state(&plant, x);
     plant.step = spoiled;
-    factor = 1.0 + share / LOOK_TICKS; /* twice that share of the kinetic energy, which is half of all */
+    spoil_factor =
+        1.0 + share / LOOK_TICKS; /* twice that share of the kinetic energy, which is half of all */
 }
 
 static double look(double *residual_J)

@@ -8,7 +8,7 @@
 #include "tests/fixture/exact.h"
 
 /* Every test counts model time in units of which a tick has PER_TIME. */
-static const double PER_TIME = 40.0;
+#define PER_TIME 40.0
 
 static bool segment(struct drive *d, uint32_t length, struct wave *w, struct input at[3])
 {

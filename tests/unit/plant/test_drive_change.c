@@ -5,7 +5,9 @@
 #include <stdio.h>
 #include "firmware/plant/drive.h"
 
-static const double TURNS_PER_TICK = 0.01, PER_TIME = 40.0;
+#define PER_TIME 40.0
+
+static const double TURNS_PER_TICK = 0.01;
 static const double TWO_64 = 18446744073709551616.0;
 
 static struct drive_setting setting(double amplitude, double phase_turns, uint64_t ramp_ticks)
@@ -13,7 +15,7 @@ static struct drive_setting setting(double amplitude, double phase_turns, uint64
     return (struct drive_setting){amplitude, TURNS_PER_TICK, phase_turns, ramp_ticks};
 }
 
-static void run(struct drive *d, uint32_t length)
+static void run_segment(struct drive *d, uint32_t length)
 {
     struct wave w;
     struct input at[3];
@@ -23,7 +25,7 @@ static void run(struct drive *d, uint32_t length)
 static void run_ticks(struct drive *d, int n)
 {
     for (int i = 0; i < n; i++)
-        run(d, TICK_FRACTIONS);
+        run_segment(d, TICK_FRACTIONS);
 }
 
 static void change(struct drive *d, double amplitude, double phase_turns, uint64_t ramp_ticks)
@@ -127,14 +129,14 @@ TEST(drive_change_target)
     drive_init(&d);
     change(&d, 2.0, 0.25, 0);
     check_int("a ramp of 0 ticks takes one", (int64_t)d.ramp_left, TICK_FRACTIONS);
-    run(&d, TICK_FRACTIONS - 1);
+    run_segment(&d, TICK_FRACTIONS - 1);
     struct drive_setting target = drive_target(&d);
     check_int("1/65536 tick before its end", (int64_t)d.ramp_left, 1);
     check_near("target amplitude", target.amplitude, 2.0, 0.0);
     check_near("target phase", target.phase_turns, 0.25, 0.0);
     check_near("target frequency", target.turns_per_tick, TURNS_PER_TICK, 0.0);
     check_int("a target has no ramp", (int64_t)target.ramp_ticks, 0);
-    run(&d, 1);
+    run_segment(&d, 1);
     check_near("target after the ramp", drive_target(&d).amplitude, 2.0, 0.0);
 }
 
@@ -166,7 +168,7 @@ TEST(drive_change_long)
     drive_start(&d, &first);
     change(&d, 1.0, 0.3, UINT64_C(137329101562499));
     d.ramp_left = TICK_FRACTIONS; /* all ticks but the last are over */
-    run(&d, TICK_FRACTIONS - 1);
+    run_segment(&d, TICK_FRACTIONS - 1);
     check_int("left of the ramp, 1/65536 tick", (int64_t)d.ramp_left, 1);
     check_hex("phase, turns * 2^64", d.offset, d.offset_to);
 }

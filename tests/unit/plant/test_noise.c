@@ -135,7 +135,7 @@ TEST(noise_correlation)
 }
 
 /* A rig at rest in model units with noise on an input at once. */
-static void start(struct plant *pl, int input, double deviation, uint32_t hold, uint32_t seed)
+static void start_noisy(struct plant *pl, int input, double deviation, uint32_t hold, uint32_t seed)
 {
     double paper[PAPER];
     rig_paper(paper);
@@ -156,7 +156,7 @@ TEST(noise_grid)
     for (int i = 0; i < 3; i++) {
         struct plant pl;
         double worst = 0.0;
-        start(&pl, RIG_FORCE, 0.1, hold[i], 9);
+        start_noisy(&pl, RIG_FORCE, 0.1, hold[i], 9);
         plant_noise(&pl, RIG_BASE, 1e-3, hold[i], 9, 0.0);
         rig_run(&pl, 1);
         for (uint64_t tick = 1; tick < 500; tick++) {
@@ -182,8 +182,8 @@ TEST(noise_grid)
 TEST(noise_any_start)
 {
     struct plant early, late, copy;
-    start(&early, RIG_FORCE, 0.1, 7, 1);
-    start(&late, RIG_FORCE, 0.0, 1, 1);
+    start_noisy(&early, RIG_FORCE, 0.1, 7, 1);
+    start_noisy(&late, RIG_FORCE, 0.0, 1, 1);
     rig_run(&early, 1000);
     rig_run(&late, 900);
     plant_noise(&late, RIG_FORCE, 0.1, 7, 1, 0.0);
@@ -206,7 +206,7 @@ TEST(noise_ramp)
 {
     struct plant pl;
     double worst = 0.0;
-    start(&pl, RIG_FORCE, 0.0, 1, 0);
+    start_noisy(&pl, RIG_FORCE, 0.0, 1, 0);
     advance(&pl, 10, 16384);
     plant_noise(&pl, RIG_FORCE, 0.4, 1, 3, 20 * 0.05);
     for (uint64_t tick = 10; tick < 40; tick++) {
@@ -230,7 +230,7 @@ TEST(noise_and_harmonic)
 {
     const double h = 0.05, turn = 2.0 * acos(-1.0);
     struct plant pl;
-    start(&pl, RIG_FORCE, 0.0, 1, 0);
+    start_noisy(&pl, RIG_FORCE, 0.0, 1, 0);
     rig_run(&pl, 10);
     plant_noise(&pl, RIG_FORCE, 0.4, 1, 3, 20 * h);
     rig_run(&pl, 5);
@@ -247,7 +247,7 @@ TEST(noise_new_parameters)
 {
     struct plant pl;
     double si[MODEL_PARAMETERS], worst = 0.0;
-    start(&pl, RIG_FORCE, 0.1, 1, 9);
+    start_noisy(&pl, RIG_FORCE, 0.1, 1, 9);
     plant_noise(&pl, RIG_BASE, 1e-3, 7, 9, 0.0);
     rig_run(&pl, 50);
     memcpy(si, pl.si, sizeof si);
@@ -274,7 +274,7 @@ TEST(noise_change)
     struct plant pl;
     uint64_t seed = 11;
     double jump = 0.0, end = 0.0, largest = 0.0;
-    start(&pl, RIG_BASE, 1e-3, 1, 0);
+    start_noisy(&pl, RIG_BASE, 1e-3, 1, 0);
     for (uint64_t i = 0; i < 20000; i++) {
         struct instant to = pl.now;
         to.fraction += 1 + (uint32_t)(40000.0 * exact_uniform(&seed));
@@ -304,8 +304,8 @@ TEST(noise_parts_of_a_tick)
 {
     struct plant whole, parts;
     double worst = 0.0;
-    start(&whole, RIG_BASE, 1e-3, 3, 5);
-    start(&parts, RIG_BASE, 1e-3, 3, 5);
+    start_noisy(&whole, RIG_BASE, 1e-3, 3, 5);
+    start_noisy(&parts, RIG_BASE, 1e-3, 3, 5);
     for (uint64_t tick = 0; tick < 300; tick++) {
         rig_run(&whole, 1);
         for (uint32_t cut = 10000; cut < TICK_FRACTIONS; cut += 20000 + (uint32_t)tick)
@@ -324,7 +324,7 @@ static double density(int input, double deviation, uint32_t hold, double h, doub
     enum { STRETCHES = 3000, CELLS = 64 };
     struct plant pl;
     double sum = 0.0, turn = 2.0 * acos(-1.0);
-    start(&pl, input, deviation, hold, 77);
+    start_noisy(&pl, input, deviation, hold, 77);
     rig_run(&pl, hold);
     for (int i = 0; i < STRETCHES; i++) {
         double re = 0.0, im = 0.0;

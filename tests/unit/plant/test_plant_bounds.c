@@ -33,7 +33,7 @@ TEST(plant_bounds)
 enum { TICK_RATE = 65536 };
 static struct plant rig;
 
-static void start(const struct model *m)
+static void start_at_bound(const struct model *m)
 {
     const struct plant_config c = {
         .model = m, .method = &rk4, .tick_s = 1.0 / TICK_RATE, .dilation = 1.0, .force = true};
@@ -61,7 +61,7 @@ static void check_refused(const char *name, double frequency_Hz, double ramp_s)
 TEST(plant_bounds_drive)
 {
     const double ticks = 9e18 / TICK_FRACTIONS, below = ticks - 1.0;
-    start(&hertz_rig);
+    start_at_bound(&hertz_rig);
     plant_drive(&rig, RIG_FORCE, 1.0, 0.0, 0.0, 0.0);
     check_int("a ramp of 0 s is one tick", (int64_t)drive_corner(&rig.drive[RIG_FORCE]), TICK_FRACTIONS);
     plant_drive(&rig, RIG_FORCE, 1.0, TICK_RATE / 2 - 1, 0.0, below / TICK_RATE);
@@ -84,7 +84,7 @@ static void call_noise(const void *argument)
 TEST(plant_bounds_noise)
 {
     const struct noise_setting negative = {-1.0, 1, 1}, long_hold = {1.0, NOISE_HOLD_MAX + 1, 1};
-    start(&hertz_rig);
+    start_at_bound(&hertz_rig);
     plant_noise(&rig, RIG_FORCE, 0.0, NOISE_HOLD_MAX, 7, 0.0);
     check_int("the longest hold, ticks", noise_target(&rig.drive[RIG_FORCE].noise).hold, NOISE_HOLD_MAX);
     check_true("a longer one is refused", assertion_fails(call_noise, &long_hold));
@@ -111,7 +111,7 @@ TEST(plant_bounds_parameters)
     }
     m.n_parameters = MODEL_PARAMETERS;
     m.parameter = table;
-    start(&m);
+    start_at_bound(&m);
     for (int i = 0; i < MODEL_PARAMETERS; i++) {
         off += rig.si[i] != table[i].initial;
         si[i] = table[i].initial;
@@ -129,10 +129,10 @@ TEST(plant_bounds_parameters)
 TEST(plant_bounds_inputs)
 {
     struct model m = hertz_rig;
-    start(&m);
+    start_at_bound(&m);
     check_true("noise of the base is straight", rig.drive[RIG_BASE].noise.straight);
     check_true("noise of a force is held", !rig.drive[RIG_FAST_FORCE].noise.straight);
     m.n_inputs = RIG_BASE;
-    start(&m);
+    start_at_bound(&m);
     check_true("without a base nothing is", !rig.drive[RIG_BASE].noise.straight);
 }

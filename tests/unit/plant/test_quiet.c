@@ -19,11 +19,11 @@ static double alone_scratch[METHOD_SCRATCH], parts_scratch[METHOD_SCRATCH], kept
 static struct plant alone, parts;
 static struct stages alone_stages, parts_stages, kept_stages;
 static bool has_stages;
-static uint64_t seed;
+static uint64_t quiet_seed;
 
 static double between(double low, double high)
 {
-    return low + (high - low) * exact_uniform(&seed);
+    return low + (high - low) * exact_uniform(&quiet_seed);
 }
 
 static uint32_t pick(uint32_t n)
@@ -32,8 +32,8 @@ static uint32_t pick(uint32_t n)
 }
 
 /* A lever is warm: each of its ticks has a noise of its own. */
-static bool start(struct plant *pl, const struct model *m, const struct method *method, double tick_s,
-                  double *scratch, struct stages *stages)
+static bool start_quiet(struct plant *pl, const struct model *m, const struct method *method, double tick_s,
+                        double *scratch, struct stages *stages)
 {
     double si[MODEL_PARAMETERS];
     for (int i = 0; i < m->n_parameters; i++)
@@ -222,11 +222,11 @@ static void command_both(void)
 }
 
 /* Random parts with random commands between them. False when this method refuses the model. */
-static bool run(const struct model *m, const struct method *method, enum outcome *end)
+static bool run_both(const struct model *m, const struct method *method, enum outcome *end)
 {
     double tick_s = tick_of(m);
-    if (!start(&alone, m, method, tick_s, alone_scratch, &alone_stages) ||
-        !start(&parts, m, method, tick_s, parts_scratch, &parts_stages))
+    if (!start_quiet(&alone, m, method, tick_s, alone_scratch, &alone_stages) ||
+        !start_quiet(&parts, m, method, tick_s, parts_scratch, &parts_stages))
         return false;
     if (has_stages) {
         int i = (int)pick((uint32_t)m->n_inputs);
@@ -248,9 +248,9 @@ static void run_all(void)
     enum outcome end;
     int n_runs = 0, n_differ = 0, n_failed = 0;
     uint64_t switches = 0, ticks = 0;
-    seed = 1;
+    quiet_seed = 1;
     for (int i = 0; n_runs < RUNS; i++) {
-        if (!run(model_table[i % MODELS], method_table[i / MODELS % METHODS], &end))
+        if (!run_both(model_table[i % MODELS], method_table[i / MODELS % METHODS], &end))
             continue;
         n_runs++;
         n_differ += end == DIFFERS;

@@ -12,13 +12,13 @@
 
 static struct loopback_bus bus;
 static struct log record;
-static char path[] = "/tmp/contactplant_log_XXXXXX";
+static char log_file[] = "/tmp/contactplant_log_XXXXXX";
 
 /* A file of its own for each test. */
 static void make_file(const char *text)
 {
-    memcpy(path + strlen(path) - 6, "XXXXXX", 6);
-    int fd = mkstemp(path);
+    memcpy(log_file + strlen(log_file) - 6, "XXXXXX", 6);
+    int fd = mkstemp(log_file);
     FILE *f = fdopen(fd, "w");
     fputs(text, f);
     fclose(f);
@@ -26,7 +26,7 @@ static void make_file(const char *text)
 
 static size_t read_file(char *out, size_t size)
 {
-    FILE *f = fopen(path, "r");
+    FILE *f = fopen(log_file, "r");
     size_t n = fread(out, 1, size - 1, f);
     out[n] = 0;
     fclose(f);
@@ -249,7 +249,7 @@ TEST(log_record)
     struct frame f;
     make_file("");
     loopback_init(&bus, 2, 8);
-    check_no_error("opens", log_open(&record, path, "plant0", &bus.port[0].hal));
+    check_no_error("opens", log_open(&record, log_file, "plant0", &bus.port[0].hal));
     log_set_frame(&record, 3, 1e-3);
     peer_sends(0x241);
     bus.port[0].fault = HAL_ERROR_PASSIVE;
@@ -278,7 +278,7 @@ TEST(log_record)
                  "(0000000001.004000) plant0 20000004#0300000000C00000\n"
                  "(0000000001.004000) plant0 256#0102 T\n");
     check_int("lines", (int64_t)record.lines, 6);
-    unlink(path);
+    unlink(log_file);
 }
 
 /* /dev/full takes no byte at all. */
@@ -319,7 +319,7 @@ static int64_t lines_until(const char *part)
     struct log_reader r;
     struct log_line line;
     int64_t n = 0;
-    int got = log_reader_open(&r, path) ? -2 : 1;
+    int got = log_reader_open(&r, log_file) ? -2 : 1;
     while (got > 0 && (got = log_read_line(&r, &line)) > 0)
         n++;
     if (part)
@@ -327,7 +327,7 @@ static int64_t lines_until(const char *part)
     check_int(part ? "ends with an error" : "ends well", got, part ? -1 : 0);
     check_true("the reason", !part || strstr(r.reason, part));
     log_reader_close(&r);
-    unlink(path);
+    unlink(log_file);
     return n;
 }
 
@@ -350,7 +350,7 @@ TEST(log_disk_fills_up)
     struct rlimit old, limit;
     make_file("");
     loopback_init(&bus, 1, 1);
-    check_no_error("opens", log_open(&record, path, "can0", &bus.port[0].hal));
+    check_no_error("opens", log_open(&record, log_file, "can0", &bus.port[0].hal));
     getrlimit(RLIMIT_FSIZE, &old);
     limit = old;
     limit.rlim_cur = 99 * 48 + 17;
@@ -370,7 +370,7 @@ TEST(log_disk_fills_up)
 
 static int64_t file_size(void)
 {
-    FILE *f = fopen(path, "r");
+    FILE *f = fopen(log_file, "r");
     fseek(f, 0, SEEK_END);
     int64_t size = ftell(f);
     fclose(f);
@@ -388,7 +388,7 @@ TEST(log_limit)
     loopback_init(&bus, 1, 1);
     for (size_t i = 0; i < sizeof limit / sizeof limit[0]; i++) {
         make_file("");
-        wrong += log_open(&record, path, "can0", &bus.port[0].hal) != NULL;
+        wrong += log_open(&record, log_file, "can0", &bus.port[0].hal) != NULL;
         record.limit = (uint64_t)limit[i];
         record_frames(FRAMES);
         bool told = log_close(&record) != NULL;
@@ -396,12 +396,12 @@ TEST(log_limit)
         wrong += file_size() != limit[i] / FRAME * FRAME;
         wrong += record.lines != (uint64_t)(limit[i] / FRAME * 7) ||
                  record.lines + record.lines_lost != 7 * FRAMES;
-        unlink(path);
+        unlink(log_file);
     }
     check_int("limits that leave another file than their whole frames", wrong, 0);
     const struct frame f = {.id = 0x254, .length = 8};
     make_file("");
-    check_no_error("opens", log_open(&record, path, "can0", &bus.port[0].hal));
+    check_no_error("opens", log_open(&record, log_file, "can0", &bus.port[0].hal));
     record.limit = 2 * LOG_BUFFER;
     record_frames(2);
     for (int i = 0; i < LONG; i++)

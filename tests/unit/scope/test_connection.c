@@ -13,7 +13,7 @@
 enum { EVENT = 1000, EVENTS = 5000 }; /* bytes of one; nearly five times the ring */
 
 static struct site *site;
-static struct connection *c;
+static struct connection *connection;
 static int client;
 
 static void greet(void *context, struct json *j)
@@ -22,27 +22,27 @@ static void greet(void *context, struct json *j)
     json_put(j, "hello\n\n");
 }
 
-static void begin(const char *request)
+static void begin_request(const char *request)
 {
     int pair[2];
     site = calloc(1, sizeof *site);
-    c = calloc(1, sizeof *c);
+    connection = calloc(1, sizeof *connection);
     site->greet = greet;
     check_int("sockets", socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
     client = pair[1];
     for (int i = 0; i < 2; i++)
         (void)fcntl(pair[i], F_SETFL, O_NONBLOCK);
-    connection_begin(c, pair[0]);
+    connection_begin(connection, pair[0]);
     check_int("the request goes", (int)write(client, request, strlen(request)), (int)strlen(request));
-    connection_hear(c, site);
+    connection_hear(connection, site);
 }
 
-static void end(void)
+static void end_request(void)
 {
-    connection_close(c, site);
+    connection_close(connection, site);
     close(client);
     free(site);
-    free(c);
+    free(connection);
 }
 
 /* Event k: its number, then letters that depend on it. */
@@ -73,7 +73,7 @@ static int read_events(int *next, size_t *n_part, char *part)
 static void read_greeting(void)
 {
     char head[4096] = "";
-    connection_turn(c, site);
+    connection_turn(connection, site);
     ssize_t n = read(client, head, sizeof head - 1);
     check_contains("status", head, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n");
     check_true("greeting", n > 0 && strstr(head, "\r\n\r\nretry: 1000\n\nhello\n\n"));
@@ -84,24 +84,24 @@ TEST(connection_stream_is_whole)
     char text[EVENT], part[EVENT];
     int next = 0, wrong = 0;
     size_t n_part = 0;
-    begin("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    begin_request("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
     read_greeting();
     for (int k = 0; k < EVENTS; k++) {
         make_event(k, text);
         site_tell(site, text, EVENT);
-        connection_turn(c, site);
+        connection_turn(connection, site);
         if (k % 40 == 0 || k == EVENTS - 1)
             wrong += read_events(&next, &n_part, part);
     }
     for (int i = 0; i < 100; i++) {
-        connection_turn(c, site);
+        connection_turn(connection, site);
         wrong += read_events(&next, &n_part, part);
     }
     check_int("events that came", next, EVENTS);
     check_int("of these wrong", wrong, 0);
     check_int("dropped", (int)site->dropped, 0);
     check_int("streams", (int)site->streams, 1);
-    end();
+    end_request();
 }
 
 TEST(connection_slow_stream_ends)
@@ -109,12 +109,12 @@ TEST(connection_slow_stream_ends)
     char text[EVENT], part[EVENT];
     int next = 0, k;
     size_t n_part = 0;
-    begin("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    begin_request("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
     read_greeting();
-    for (k = 0; k < EVENTS && c->state == CONNECTION_STREAMS; k++) {
+    for (k = 0; k < EVENTS && connection->state == CONNECTION_STREAMS; k++) {
         make_event(k, text);
         site_tell(site, text, EVENT);
-        connection_turn(c, site);
+        connection_turn(connection, site);
     }
     check_is("events until it is dropped", k, >, SITE_RING / EVENT);
     check_is("and no ring more", k, <, EVENTS);
@@ -122,20 +122,20 @@ TEST(connection_slow_stream_ends)
     check_int("streams", (int)site->streams, 0);
     check_int("wrong ones among what it has", read_events(&next, &n_part, part), 0);
     check_int("then the end", (int)read(client, text, 1), 0);
-    end();
+    end_request();
 }
 
 TEST(connection_answers_and_ends)
 {
     char text[4096] = "";
-    begin("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n");
-    connection_turn(c, site);
+    begin_request("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+    connection_turn(connection, site);
     check_is("an answer", read(client, text, sizeof text - 1), >, 0);
     check_contains("refused", text, "HTTP/1.1 421 Misdirected Request\r\n");
     check_int("no more", (int)read(client, text, 1), 0);
-    check_int("it waits for the client's end", c->state, CONNECTION_ENDS);
+    check_int("it waits for the client's end", connection->state, CONNECTION_ENDS);
     shutdown(client, SHUT_WR);
-    connection_hear(c, site);
-    check_int("free", c->state, CONNECTION_FREE);
-    end();
+    connection_hear(connection, site);
+    check_int("free", connection->state, CONNECTION_FREE);
+    end_request();
 }

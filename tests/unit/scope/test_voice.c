@@ -34,7 +34,7 @@ static const char *told(void)
     return server->site.ring;
 }
 
-static void begin(bool known)
+static void begin_voice(bool known)
 {
     char why[SCENE_REASON];
     v = calloc(1, sizeof *v);
@@ -47,7 +47,7 @@ static void begin(bool known)
     (void)told();
 }
 
-static void end(void)
+static void end_voice(void)
 {
     scene_free(&v->scene);
     free(v);
@@ -56,7 +56,7 @@ static void end(void)
 
 TEST(voice_rows)
 {
-    begin(true);
+    begin_voice(true);
     sync_at(1.0);
     SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
     SAY(WIRE_CONTACT, 0, 1.0, 8e-6, 65.0);
@@ -70,12 +70,12 @@ TEST(voice_rows)
                  "[2,0.002,0,null,null,null,0,null,null,null,null]]}\n\n");
     sync_at(6.0);
     check_string("no news, no event", told(), "");
-    end();
+    end_voice();
 }
 
 TEST(voice_unknown_plant)
 {
-    begin(false);
+    begin_voice(false);
     sync_at(1.0);
     SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
     sync_at(2.0);
@@ -89,12 +89,12 @@ TEST(voice_unknown_plant)
     SAY(WIRE_INFO, 0, INFO_IDENTITY, 1.0);
     sync_at(3.0);
     check_string("nor of another one", told(), "");
-    end();
+    end_voice();
 }
 
 TEST(voice_numbers_without_a_name)
 {
-    begin(true);
+    begin_voice(true);
     SAY(WIRE_STATUS, 0, 1.0, 15.0, 7.0, 0.0, 0.0, 3.0);
     SAY(WIRE_PARAM_ECHO, 0, (double)(SETTING_FIRST + SET_LOCKIN_CHANNEL), 1e30);
     SAY(WIRE_PARAM_ECHO, 1, (double)(SETTING_FIRST + SET_LOCKIN_OUTPUT), -1.0);
@@ -102,12 +102,12 @@ TEST(voice_numbers_without_a_name)
     const char *text = told();
     check_contains("state", text, "\"state\":\"unknown\",\"session\":1,\"reaction\":\"unknown\"");
     check_contains("a slot of no input", text, "{\"slot\":0,\"input\":\"force\",\"output\":\"displacement\"");
-    end();
+    end_voice();
 }
 
 TEST(voice_contact_events)
 {
-    begin(true);
+    begin_voice(true);
     sync_at(10.0);
     SAY(WIRE_EVENT_TIME, 0, 0.0, 1.0, 0.5, 700.0);
     SAY(WIRE_EVENT_TIME, 1, 1.0, 0.0, 0.25, 701.0);
@@ -118,12 +118,12 @@ TEST(voice_contact_events)
     check_string("a half that is lost leaves null, or nothing", told(),
                  "event: contact\ndata: {\"plant\":0,\"events\":[[0.0109453125,1,0,null,null],"
                  "[0.01095703125,0,1,0.004,0]]}\n\n");
-    end();
+    end_voice();
 }
 
 TEST(voice_restart)
 {
-    begin(true);
+    begin_voice(true);
     sync_at(100.0);
     SAY(WIRE_MOTION, 0, 1.0, 7e-6, -2e-4);
     sync_at(101.0);
@@ -134,12 +134,12 @@ TEST(voice_restart)
     const char *before = strstr(text, "[100,0.1,"), *after = strstr(text, "[1,0.001,");
     check_true("told between the rows of before and after",
                before && again && after && before < again && again < after);
-    end();
+    end_voice();
 }
 
 TEST(voice_bursts)
 {
-    begin(true);
+    begin_voice(true);
     sync_at(1.0);
     for (int i = 0; i < 2; i++) {
         SAY(WIRE_CAPTURE_DATA, 0, 0.0, 0.0, 1.5);
@@ -157,12 +157,12 @@ TEST(voice_bursts)
     check_contains("its trigger, told later", told(),
                    "\"burst\":2,\"sample_s\":1.5625e-05,\"trigger_t\":0.0005,\"pretrigger\":100");
     check_string("once", told(), "");
-    end();
+    end_voice();
 }
 
 TEST(voice_values)
 {
-    begin(true);
+    begin_voice(true);
     SAY(WIRE_LEDGER, 0, LEDGER_STORED, 0.5);
     SAY(WIRE_DRIVE_ECHO, 0, 2.0, ARM_FREQUENCY, 225.0);
     check_string(
@@ -176,12 +176,12 @@ TEST(voice_values)
     json_begin(&j, server->site.ring, sizeof server->site.ring);
     voice_put_values(v, &j, NULL);
     check_contains("all for a new browser", j.at, "\"ledger\":{\"stored\":0.5}");
-    end();
+    end_voice();
 }
 
 TEST(voice_full_lane)
 {
-    begin(true);
+    begin_voice(true);
     for (int i = 1; i <= 3000; i++) {
         sync_at(i);
         SAY(WIRE_MOTION, (unsigned)i % 15, 1.0, 7e-6, -2e-4);
@@ -190,5 +190,5 @@ TEST(voice_full_lane)
     for (const char *at = told(); (at = strstr(at, "e-06")); at++)
         rows++;
     check_int("a full lane goes out by itself: rows", rows, 2999);
-    end();
+    end_voice();
 }

@@ -7,7 +7,7 @@
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
-enum { SEEDS = 2000, PERIOD_US = 1000 };
+enum { SILENCE_SEEDS = 2000, PERIOD_US = 1000 };
 
 static struct bus bus;
 
@@ -22,15 +22,15 @@ struct pace {
     uint32_t due;
 };
 
-static unsigned draw(struct pace *p, unsigned n)
+static unsigned pace_draw(struct pace *p, unsigned n)
 {
     return (unsigned)((noise_word(p->seed, p->draws++) >> 32) % n);
 }
 
 static void stall(struct pace *p)
 {
-    if (p->away_percent && draw(p, 100) < p->away_percent)
-        p->time_us += draw(p, p->away_us + 1);
+    if (p->away_percent && pace_draw(p, 100) < p->away_percent)
+        p->time_us += pace_draw(p, p->away_us + 1);
     if (p->every_us && p->time_us % p->every_us < p->away_us)
         p->time_us += p->away_us - p->time_us % p->every_us;
 }
@@ -51,7 +51,7 @@ static void turn(struct pace *p)
     p->due--;
 }
 
-static void begin(enum overrun_policy policy, unsigned timeout, struct pace *p)
+static void begin_paced(enum overrun_policy policy, unsigned timeout, struct pace *p)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -85,15 +85,15 @@ TEST(app_silence_bound)
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
         double worst = 0.0;
         int undetected = 0, early = 0, untrue = 0;
-        for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        for (uint64_t seed = 1; seed <= SILENCE_SEEDS; seed++) {
             struct pace p = {.seed = seed * 4 + (uint64_t)policy};
             double took_us = 0.0;
-            unsigned timeout = 10 + draw(&p, 100);
-            p.work_us = draw(&p, 4) ? draw(&p, PERIOD_US * 3 / 2) : draw(&p, PERIOD_US * 12);
-            p.away_percent = draw(&p, 3) ? draw(&p, 100) : 0;
-            p.away_us = 1 + draw(&p, timeout * PERIOD_US);
-            p.every_us = draw(&p, 3) ? 0 : p.away_us + 1 + draw(&p, p.away_us);
-            begin((enum overrun_policy)policy, timeout, &p);
+            unsigned timeout = 10 + pace_draw(&p, 100);
+            p.work_us = pace_draw(&p, 4) ? pace_draw(&p, PERIOD_US * 3 / 2) : pace_draw(&p, PERIOD_US * 12);
+            p.away_percent = pace_draw(&p, 3) ? pace_draw(&p, 100) : 0;
+            p.away_us = 1 + pace_draw(&p, timeout * PERIOD_US);
+            p.every_us = pace_draw(&p, 3) ? 0 : p.away_us + 1 + pace_draw(&p, p.away_us);
+            begin_paced((enum overrun_policy)policy, timeout, &p);
             undetected += !found_out(&p, timeout, &took_us);
             early += took_us < (timeout - 1) * (double)PERIOD_US;
             double age_us = (double)session_command_age(&bus.app) * PERIOD_US;
@@ -102,7 +102,7 @@ TEST(app_silence_bound)
         }
         printf(
             "      %s: %d patterns of absences and slow frames, the latest reaction after %.2f time-outs\n",
-            name[policy], SEEDS, worst / PERIOD_US);
+            name[policy], SILENCE_SEEDS, worst / PERIOD_US);
         check_int("dead controllers not found out within twice the time-out, or at the end of an absence",
                   undetected, 0);
         check_int("or found dead before it", early, 0);
@@ -116,9 +116,9 @@ TEST(app_silence_examples)
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
         struct pace slow = {.work_us = 1100}, stopped = {.work_us = 100, .away_us = 85000, .every_us = 86000};
         double slow_us = 0.0, stopped_us = 0.0;
-        begin((enum overrun_policy)policy, 100, &slow);
+        begin_paced((enum overrun_policy)policy, 100, &slow);
         check_true("frames of 1.1 ms: found out", found_out(&slow, 100, &slow_us));
-        begin((enum overrun_policy)policy, 100, &stopped);
+        begin_paced((enum overrun_policy)policy, 100, &stopped);
         check_true("stopped for 85 of 86 ms: found out", found_out(&stopped, 100, &stopped_us));
         printf("      policy %d: after %.1f ms and %.1f ms, time-out 100 ms\n", policy, 1e-3 * slow_us,
                1e-3 * stopped_us);
@@ -133,15 +133,15 @@ TEST(app_silence_alive)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_FREEZE; policy++) {
         int lost = 0;
-        for (uint64_t seed = 1; seed <= SEEDS / 10; seed++) {
+        for (uint64_t seed = 1; seed <= SILENCE_SEEDS / 10; seed++) {
             struct pace p = {.seed = seed, .work_us = 300};
-            begin((enum overrun_policy)policy, 100, &p);
-            unsigned at = 40 + draw(&p, 20);
+            begin_paced((enum overrun_policy)policy, 100, &p);
+            unsigned at = 40 + pace_draw(&p, 20);
             for (unsigned i = 0; i < 200; i++) {
                 if (i % 20 == 0)
                     bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)(bus.app.frame - 1)});
                 p.time_us +=
-                    i == at ? draw(&p, 99) * PERIOD_US : 0; /* shorter than the time-out, at any time */
+                    i == at ? pace_draw(&p, 99) * PERIOD_US : 0; /* shorter than the time-out, at any time */
                 turn(&p);
             }
             lost += !bus.app.enabled;

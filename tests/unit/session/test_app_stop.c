@@ -10,7 +10,6 @@
 enum {
     SEEDS = 3000,
     FRAMES = 240,
-    TICKS = 16,
     DELAY = 120,   /* frames, the longest */
     STOP_GAP = 12, /* frames between two STOPs of the controller, at least: 15 sessions outlast the delay */
     FLYING = 4096,
@@ -37,8 +36,8 @@ static struct net {
     bool any_stop;
 } net;
 
-static struct app app;
-static struct wire_scene scene;
+static struct app stopped_app;
+static struct wire_scene net_scene;
 
 /* The data that a command may change. Counters of received and refused frames are not among them, nor
  * messages. */
@@ -54,25 +53,25 @@ struct held {
     struct drive drive[MODEL_INPUTS];
 };
 
-static struct held before, after;
+static struct held held_before, held_after;
 
 static void hold(struct held *h)
 {
     memset(h, 0, sizeof *h);
-    h->state = app.state;
-    h->enabled = app.enabled;
-    h->session = app.session;
-    h->faults = app.faults;
-    h->step_left = app.step_left;
-    h->heartbeat_frame = app.heartbeat_frame;
-    h->tick = app.plant.now.tick;
-    h->streaming = app.streaming;
-    memcpy(&h->mailbox, &app.mailbox, sizeof h->mailbox);
-    memcpy(&h->capture, &app.capture, sizeof h->capture);
-    memcpy(h->setting, app.setting, sizeof h->setting);
-    memcpy(h->si, app.plant.si, sizeof h->si);
-    memcpy(h->x, app.plant.x, sizeof h->x);
-    memcpy(h->drive, app.plant.drive, sizeof h->drive);
+    h->state = stopped_app.state;
+    h->enabled = stopped_app.enabled;
+    h->session = stopped_app.session;
+    h->faults = stopped_app.faults;
+    h->step_left = stopped_app.step_left;
+    h->heartbeat_frame = stopped_app.heartbeat_frame;
+    h->tick = stopped_app.plant.now.tick;
+    h->streaming = stopped_app.streaming;
+    memcpy(&h->mailbox, &stopped_app.mailbox, sizeof h->mailbox);
+    memcpy(&h->capture, &stopped_app.capture, sizeof h->capture);
+    memcpy(h->setting, stopped_app.setting, sizeof h->setting);
+    memcpy(h->si, stopped_app.plant.si, sizeof h->si);
+    memcpy(h->x, stopped_app.plant.x, sizeof h->x);
+    memcpy(h->drive, stopped_app.plant.drive, sizeof h->drive);
 }
 
 struct verdict {
@@ -81,17 +80,18 @@ struct verdict {
     int wraps;
 };
 
-static struct verdict v;
+static struct verdict verdict;
 
 /* A STOP leaves nothing that could still act. */
 static bool is_quiet(void)
 {
-    bool quiet = app.mailbox.n_fires == 0 && app.mailbox.n_samples == 0 && !app.mailbox.commit_with_fire &&
-                 staged_count(&app.mailbox.staged) == 0 && app.step_left == 0 && app.streaming == 0 &&
-                 !app.enabled && app.state != STATE_RUNNING && app.state != STATE_PAUSED;
+    bool quiet = stopped_app.mailbox.n_fires == 0 && stopped_app.mailbox.n_samples == 0 &&
+                 !stopped_app.mailbox.commit_with_fire && staged_count(&stopped_app.mailbox.staged) == 0 &&
+                 stopped_app.step_left == 0 && stopped_app.streaming == 0 && !stopped_app.enabled &&
+                 stopped_app.state != STATE_RUNNING && stopped_app.state != STATE_PAUSED;
     for (int i = 0; i < hertz_rig.n_inputs; i++)
-        quiet =
-            quiet && app.mailbox.armed[i].given == 0 && drive_target(&app.plant.drive[i]).amplitude == 0.0;
+        quiet = quiet && stopped_app.mailbox.armed[i].given == 0 &&
+                drive_target(&stopped_app.plant.drive[i]).amplitude == 0.0;
     return quiet;
 }
 
@@ -104,20 +104,20 @@ static void judge(void)
     net.last = NULL;
     if (c->stop) {
         net.any_stop = true;
-        net.stopped = app.frame;
-        v.stops++;
-        v.wrong_stop += !is_quiet();
+        net.stopped = stopped_app.frame;
+        verdict.stops++;
+        verdict.wrong_stop += !is_quiet();
         return;
     }
     bool old = net.any_stop && c->sent < net.stopped;
-    (old ? v.old : v.young)[c->kind]++;
+    (old ? verdict.old : verdict.young)[c->kind]++;
     if (!old)
         return;
-    hold(&after);
-    if (memcmp(&before, &after, sizeof before) != 0) {
-        v.acted++;
+    hold(&held_after);
+    if (memcmp(&held_before, &held_after, sizeof held_before) != 0) {
+        verdict.acted++;
         printf("      seed %llu, frame %llu: kind %u of frame %llu acts after the STOP of frame %llu\n",
-               (unsigned long long)net.seed, (unsigned long long)app.frame, c->kind,
+               (unsigned long long)net.seed, (unsigned long long)stopped_app.frame, c->kind,
                (unsigned long long)c->sent, (unsigned long long)net.stopped);
     }
 }
@@ -128,14 +128,14 @@ static int net_recv(void *context, struct frame *f)
     (void)context;
     judge();
     for (int i = 0; i < net.n; i++) {
-        if (net.flying[i].arrives > app.frame)
+        if (net.flying[i].arrives > stopped_app.frame)
             continue;
         net.given = net.flying[i];
         net.last = &net.given;
         net.flying[i] = net.flying[--net.n];
         *f = net.given.frame;
         if (net.any_stop)
-            hold(&before);
+            hold(&held_before);
         return 1;
     }
     return 0;
@@ -160,23 +160,23 @@ static uint32_t net_now(void *context)
 }
 
 /* Whole number in [0, n). */
-static unsigned draw(unsigned n)
+static unsigned draw_below(unsigned n)
 {
     return (unsigned)((noise_word(net.seed, net.draws++) >> 32) % n);
 }
 
-static double share(void)
+static double draw_share(void)
 {
-    return (double)draw(1u << 20) * 0x1p-20;
+    return (double)draw_below(1u << 20) * 0x1p-20;
 }
 
 /* One or more copies of it, most of them at once, some late. */
 static void fly(const struct frame *f, unsigned kind, bool stop)
 {
-    int copies = draw(10) == 0 ? 0 : draw(5) == 0 ? 2 : 1;
+    int copies = draw_below(10) == 0 ? 0 : draw_below(5) == 0 ? 2 : 1;
     for (int i = 0; i < copies && net.n < FLYING; i++) {
-        uint64_t late = draw(2) ? draw(3) : draw(8) ? draw(20) : draw(DELAY);
-        net.flying[net.n++] = (struct copy){*f, app.frame - 1, app.frame + late, kind, stop};
+        uint64_t late = draw_below(2) ? draw_below(3) : draw_below(8) ? draw_below(20) : draw_below(DELAY);
+        net.flying[net.n++] = (struct copy){*f, stopped_app.frame - 1, stopped_app.frame + late, kind, stop};
     }
 }
 
@@ -197,7 +197,7 @@ static void send(unsigned kind, const double value[WIRE_FIELDS], unsigned as, bo
     memcpy(m.value, value, sizeof m.value);
     m.value[SESSION] = us.session;
     us.counter[kind] = (uint8_t)((us.counter[kind] + 1) % WIRE_COUNTER_STATES);
-    wire_encode(&scene, &m, &f);
+    wire_encode(&net_scene, &m, &f);
     fly(&f, as, stop);
 }
 
@@ -215,21 +215,22 @@ static void enable(bool on)
 static void parameters(void)
 {
     struct staged set = {{0}, {0}};
-    unsigned index = draw(3) ? RIG_MASS : SETTING_FIRST + SET_HORIZON_FRAMES;
-    double x = index == RIG_MASS ? 6.0 + draw(16) / 16.0 : 1000.0 + draw(100);
+    unsigned index = draw_below(3) ? RIG_MASS : SETTING_FIRST + SET_HORIZON_FRAMES;
+    double x = index == RIG_MASS ? 6.0 + draw_below(16) / 16.0 : 1000.0 + draw_below(100);
     staged_put(&set, index, x);
     send(WIRE_PARAM_WRITE, (double[WIRE_FIELDS]){0, index, x}, WIRE_PARAM_WRITE, false);
-    send(WIRE_PARAM_COMMIT, (double[WIRE_FIELDS]){0, 1, draw(2), staged_crc(&set)}, WIRE_PARAM_COMMIT, false);
+    send(WIRE_PARAM_COMMIT, (double[WIRE_FIELDS]){0, 1, draw_below(2), staged_crc(&set)}, WIRE_PARAM_COMMIT,
+         false);
 }
 
 /* Commands that echo a frame go out at any time; all others only in a session that the plant has reported
  * open. */
 static void one_command(void)
 {
-    unsigned i = draw(RIG_BASE + 1);
-    uint64_t ahead = us.tick + draw(DELAY * TICKS);
+    unsigned i = draw_below(RIG_BASE + 1);
+    uint64_t ahead = us.tick + draw_below(DELAY * BUS_TICKS);
     bool open = us.told_open && us.told_session == us.session;
-    switch (draw(open ? 12 : 3)) {
+    switch (draw_below(open ? 12 : 3)) {
     case 0:
         control(CONTROL_START, (double)(uint32_t)us.frame);
         break;
@@ -237,61 +238,62 @@ static void one_command(void)
         control(CONTROL_PAUSE, (double)(uint32_t)us.frame);
         break;
     case 2:
-        if (draw(8) == 0)
+        if (draw_below(8) == 0)
             control(CONTROL_RESET, (double)(uint32_t)us.frame);
         break;
     case 3:
-        control(CONTROL_STEP, 1 + draw(40));
+        control(CONTROL_STEP, 1 + draw_below(40));
         break;
     case 4:
-        control(CONTROL_RUN_UNTIL, (double)(uint32_t)(ahead - ahead % TICKS));
+        control(CONTROL_RUN_UNTIL, (double)(uint32_t)(ahead - ahead % BUS_TICKS));
         break;
     case 5:
     case 6:
-        send(WIRE_ARM + i, (double[WIRE_FIELDS]){0, ARM_AMPLITUDE, (i == RIG_BASE ? 1e-9 : 0.5) * share()},
+        send(WIRE_ARM + i,
+             (double[WIRE_FIELDS]){0, ARM_AMPLITUDE, (i == RIG_BASE ? 1e-9 : 0.5) * draw_share()},
              WIRE_ARM + i, false);
         break;
     case 7:
     case 8:
-        send(WIRE_FIRE, (double[WIRE_FIELDS]){0, 1u << i, draw(4) == 0, 0, (double)(uint32_t)ahead},
+        send(WIRE_FIRE, (double[WIRE_FIELDS]){0, 1u << i, draw_below(4) == 0, 0, (double)(uint32_t)ahead},
              WIRE_FIRE, false);
         break;
     case 9:
         send(WIRE_STREAM + i,
-             (double[WIRE_FIELDS]){0, (double)(uint16_t)(us.tick / TICKS + draw(60)),
-                                   (i == RIG_BASE ? 1e-9 : 0.5) * share()},
+             (double[WIRE_FIELDS]){0, (double)(uint16_t)(us.tick / BUS_TICKS + draw_below(60)),
+                                   (i == RIG_BASE ? 1e-9 : 0.5) * draw_share()},
              WIRE_STREAM + i, false);
         break;
     case 10:
         parameters();
         break;
     default:
-        send(WIRE_CAPTURE, (double[WIRE_FIELDS]){0, draw(3), 0, 0}, WIRE_CAPTURE, false);
+        send(WIRE_CAPTURE, (double[WIRE_FIELDS]){0, draw_below(3), 0, 0}, WIRE_CAPTURE, false);
     }
 }
 
 /* After a frame: hears or not, then acts on what it knows. */
 static void act(void)
 {
-    if (draw(4)) {
-        us.frame = app.frame - 1;
-        us.tick = app.plant.now.tick;
-        us.told_session = app.session;
-        us.told_open = app.enabled;
+    if (draw_below(4)) {
+        us.frame = stopped_app.frame - 1;
+        us.tick = stopped_app.plant.now.tick;
+        us.told_session = stopped_app.session;
+        us.told_open = stopped_app.enabled;
     }
-    if (!us.told_open && draw(3) == 0) {
+    if (!us.told_open && draw_below(3) == 0) {
         us.session = (uint8_t)(us.told_session % WIRE_SESSIONS + 1);
-        v.wraps += us.session == 1 && us.told_session == WIRE_SESSIONS;
+        verdict.wraps += us.session == 1 && us.told_session == WIRE_SESSIONS;
         enable(true);
         control(CONTROL_START, (double)(uint32_t)us.frame);
     }
-    if (draw(8) == 0)
-        enable(draw(40) > 0);
-    for (unsigned n = draw(SEND_MAX); n > 0; n--)
+    if (draw_below(8) == 0)
+        enable(draw_below(40) > 0);
+    for (unsigned n = draw_below(SEND_MAX); n > 0; n--)
         one_command();
-    if (app.frame >= us.next_stop) {
+    if (stopped_app.frame >= us.next_stop) {
         control(CONTROL_STOP, 0);
-        us.next_stop = app.frame + STOP_GAP + draw(5 * STOP_GAP);
+        us.next_stop = stopped_app.frame + STOP_GAP + draw_below(5 * STOP_GAP);
     }
 }
 
@@ -300,26 +302,26 @@ static void schedule(uint64_t seed)
 {
     static float capture[BUS_CAPTURE];
     struct app_config c = bus_config();
-    c.substeps = TICKS;
+    c.substeps = BUS_TICKS;
     c.capture = capture;
     c.n_capture = BUS_CAPTURE;
     memset(&net, 0, sizeof net);
     memset(&us, 0, sizeof us);
     net.seed = seed;
     net.hal = (struct hal){NULL, net_recv, net_send, net_nothing, net_now, net_nothing};
-    if (app_init(&app, &c, &net.hal))
+    if (app_init(&stopped_app, &c, &net.hal))
         check_true("app_init", 0);
-    app.setting[SET_TIMEOUT_FRAMES] = 60;
-    app.session = (uint8_t)(seed % (WIRE_SESSIONS + 1)); /* the plant has had so many before */
-    scene = app.scene;
+    stopped_app.setting[SET_TIMEOUT_FRAMES] = 60;
+    stopped_app.session = (uint8_t)(seed % (WIRE_SESSIONS + 1)); /* the plant has had so many before */
+    net_scene = stopped_app.scene;
     us.next_stop = 20;
     uint64_t quiet_tick = 0;
     for (int i = 0; i < FRAMES + DELAY; i++) {
-        bool stood = net.any_stop && !app.enabled && app.reaction == REACTION_STOP;
-        quiet_tick = app.plant.now.tick;
-        app_frame(&app);
+        bool stood = net.any_stop && !stopped_app.enabled && stopped_app.reaction == REACTION_STOP;
+        quiet_tick = stopped_app.plant.now.tick;
+        app_frame(&stopped_app);
         judge();
-        v.moved += stood && !app.enabled && app.plant.now.tick != quiet_tick;
+        verdict.moved += stood && !stopped_app.enabled && stopped_app.plant.now.tick != quiet_tick;
         if (i < FRAMES)
             act();
     }
@@ -327,14 +329,14 @@ static void schedule(uint64_t seed)
 
 TEST(app_stop_line)
 {
-    memset(&v, 0, sizeof v);
-    for (uint64_t seed = 1; seed <= SEEDS && v.acted < 10; seed++)
+    memset(&verdict, 0, sizeof verdict);
+    for (uint64_t seed = 1; seed <= SEEDS && verdict.acted < 10; seed++)
         schedule(seed);
-    printf("      %d schedules, %d STOPs taken, session 1 after 15 asked for %d times\n", SEEDS, v.stops,
-           v.wraps);
-    check_int("commands that act after a STOP that they were sent before", v.acted, 0);
-    check_int("STOPs that leave a session, a drive or something that waits", v.wrong_stop, 0);
-    check_int("frames in which plant time moved without a session after a STOP", v.moved, 0);
+    printf("      %d schedules, %d STOPs taken, session 1 after 15 asked for %d times\n", SEEDS,
+           verdict.stops, verdict.wraps);
+    check_int("commands that act after a STOP that they were sent before", verdict.acted, 0);
+    check_int("STOPs that leave a session, a drive or something that waits", verdict.wrong_stop, 0);
+    check_int("frames in which plant time moved without a session after a STOP", verdict.moved, 0);
     static const struct {
         const char *name;
         unsigned kind;
@@ -351,14 +353,15 @@ TEST(app_stop_line)
                 {"PARAM_COMMIT", WIRE_PARAM_COMMIT},
                 {"CAPTURE", WIRE_CAPTURE}};
     for (size_t i = 0; i < sizeof kind / sizeof kind[0]; i++)
-        check_above(kind[i].name, v.old[kind[i].kind], 2000);
-    check_above("sessions that followed the fifteenth", v.wraps, 100);
+        check_above(kind[i].name, verdict.old[kind[i].kind], 2000);
+    check_above("sessions that followed the fifteenth", verdict.wraps, 100);
 }
+
+static struct bus bus;
 
 /* The effects of a STOP: on the bus, and for a controller that goes on. */
 TEST(app_stop_ends)
 {
-    static struct bus bus;
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
     bus_drive(&bus, RIG_FORCE, 10.0, 100.0, 0.0, 0.0);

@@ -9,7 +9,7 @@
 static struct bus bus, other;
 
 /* Bouncing, with a second change and samples waiting: much that could go wrong. */
-static void start(struct bus *b)
+static void start_driven(struct bus *b)
 {
     const struct app_config c = bus_config();
     bus_start_running(b, &c);
@@ -25,7 +25,7 @@ static void start(struct bus *b)
 
 static uint64_t hash_straight(int frames)
 {
-    start(&bus);
+    start_driven(&bus);
     bus_run(&bus, frames);
     return plant_hash(&bus.app.plant);
 }
@@ -36,7 +36,7 @@ TEST(app_time_steps)
     int64_t tick = (int64_t)bus.app.plant.now.tick;
     const int steps[] = {1, 7, 100};
     for (int i = 0; i < 3; i++) {
-        start(&bus);
+        start_driven(&bus);
         bus_order(&bus, CONTROL_PAUSE);
         bus_run(&bus, 1);
         for (int done = 0; done < 100; done += steps[i]) {
@@ -73,7 +73,7 @@ TEST(app_time_until)
 {
     uint64_t straight = hash_straight(100);
     uint64_t tick = bus.app.plant.now.tick;
-    start(&bus);
+    start_driven(&bus);
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 1);
     bus_control(&bus, CONTROL_RUN_UNTIL, (double)tick);
@@ -97,7 +97,7 @@ TEST(app_time_until)
 /* In lockstep every step is dated, however rare SYNC is; MOTION goes by plant frames, not by bus frames. */
 TEST(app_time_telemetry)
 {
-    start(&bus);
+    start_driven(&bus);
     bus_set(&bus, SETTING_FIRST + SET_SYNC_EVERY, 10000);
     bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 7);
     bus_set(&bus, SETTING_FIRST + SET_CONTACT_EVERY, 0); /* it would bring its own SYNC */
@@ -151,7 +151,7 @@ TEST(app_time_snapshot)
     static struct app snapshot;
     static float memory[BUS_CAPTURE];
     static struct message telemetry[4000];
-    start(&bus);
+    start_driven(&bus);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
     bus_write(&bus, RIG_MASS, 5.0);
     bus_run(&bus, 30);
@@ -182,7 +182,7 @@ TEST(app_time_snapshot)
 
 static void overrun(enum overrun_policy policy, uint32_t missed, struct bus *b)
 {
-    start(b);
+    start_driven(b);
     bus_set(b, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
     bus_run(b, 1);
     bus_forget(b);
@@ -196,7 +196,7 @@ TEST(app_time_overrun)
 {
     static const char *const name[] = {"catch up", "skip", "freeze", "stop"};
     const int frames_of_plant[] = {11 + 30, 11 + 30, 11, 11};
-    uint64_t straight = (start(&bus), bus_run(&bus, 1), bus_run(&bus, 30), plant_hash(&bus.app.plant));
+    uint64_t straight = (start_driven(&bus), bus_run(&bus, 1), bus_run(&bus, 30), plant_hash(&bus.app.plant));
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_STOP; policy++) {
         printf("      %s: 29 frames missed\n", name[policy]);
         overrun((enum overrun_policy)policy, 29, &bus);
@@ -227,7 +227,7 @@ TEST(app_time_overrun)
 TEST(app_time_overrun_limit)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_SKIP; policy++) {
-        start(&bus);
+        start_driven(&bus);
         bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
         bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_HOLD);
         bus_run(&bus, 1);
@@ -245,7 +245,7 @@ TEST(app_time_overrun_limit)
 /* More than OVERRUN can say: 65535 are told, counted and taken, not what is left of them in 16 bits. */
 TEST(app_time_overrun_longest)
 {
-    start(&bus);
+    start_driven(&bus);
     uint64_t frame = bus.app.frame;
     bus_silent(&bus, (int)app_overrun(&bus.app, 65536 + 7));
     check_near("OVERRUN: missed", bus_value(&bus, WIRE_OVERRUN, OVERRUN_MISSED), 65535, 0);
@@ -260,7 +260,7 @@ TEST(app_time_overrun_longest)
  * and no longer. */
 static void echo_over(uint32_t missed, uint32_t stale, uint32_t stale_later)
 {
-    start(&bus);
+    start_driven(&bus);
     bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, OVERRUN_SKIP);
     bus_run(&bus, 2);
     double seen = (double)bus.app.frame;
@@ -285,7 +285,7 @@ TEST(app_time_overrun_echo)
 TEST(app_time_overrun_stepping)
 {
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_FREEZE; policy++) {
-        start(&bus);
+        start_driven(&bus);
         bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
         bus_order(&bus, CONTROL_PAUSE);
         bus_run(&bus, 1);
@@ -313,7 +313,7 @@ TEST(app_time_overrun_reports)
                 {"HEALTH", WIRE_HEALTH, 4},
                 {"EVENT_SUMMARY", WIRE_EVENT_SUMMARY, 100},
                 {"MOTION", WIRE_MOTION, 6}};
-    start(&bus);
+    start_driven(&bus);
     bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, OVERRUN_SKIP);
     bus_set(&bus, SETTING_FIRST + SET_HEALTH_EVERY, 4);
     bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 6);
@@ -335,7 +335,7 @@ TEST(app_time_overrun_reports)
 TEST(app_time_summary_waits)
 {
     double touchdowns = 0.0;
-    start(&bus);
+    start_driven(&bus);
     bus_set(&bus, SETTING_FIRST + SET_SUMMARY_EVERY, 10);
     for (int i = 0; i < 40; i++) {
         bus.wires.port[0].tx_limit = i % 4 < 3 ? 0 : UINT32_MAX; /* no room for 30 of each 40 frames */
@@ -355,7 +355,7 @@ TEST(app_two_plants)
 {
     struct app_config c = bus_config(), d = bus_config();
     d.base_id = 0x240;
-    start(&bus);
+    start_driven(&bus);
     bus_run(&bus, 200);
     uint64_t alone = plant_hash(&bus.app.plant);
 

@@ -10,7 +10,7 @@ enum { TIMEOUT = 20 };
 static struct bus bus;
 
 /* A drive of 16 N and a held sample of 8 N; the last heartbeat is the frame just run. */
-static void start(enum reaction reaction)
+static void start_reaction(enum reaction reaction)
 {
     const struct app_config c = bus_config();
     bus_start_running(&bus, &c);
@@ -52,7 +52,7 @@ static void recover(enum plant_state expected, unsigned faults)
 
 TEST(app_timeout_frame)
 {
-    start(REACTION_ZERO);
+    start_reaction(REACTION_ZERO);
     bus_silent(&bus, TIMEOUT);
     check_int("TIMEOUT frames without heartbeat: time-outs", bus.app.count[DIAG_TIMEOUTS], 0);
     check_is("drive sounds", bus.app.plant.drive[0].amplitude, !=, 0.0);
@@ -65,7 +65,7 @@ TEST(app_timeout_frame)
     bus_silent(&bus, 500);
     check_int("and once only", bus.app.count[DIAG_TIMEOUTS], 1);
     /* A heartbeat with a stale echo is no heartbeat. */
-    start(REACTION_ZERO);
+    start_reaction(REACTION_ZERO);
     double old = (double)bus.app.frame;
     for (int i = 0; i < 80; i++) {
         bus_command(&bus, WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, old});
@@ -76,7 +76,7 @@ TEST(app_timeout_frame)
 
 TEST(app_timeout_hold)
 {
-    start(REACTION_HOLD);
+    start_reaction(REACTION_HOLD);
     bus_silent(&bus, 200);
     uint64_t silent = plant_hash(&bus.app.plant);
     check_int("state", bus.app.state, STATE_RUNNING);
@@ -85,14 +85,14 @@ TEST(app_timeout_hold)
     uint32_t missed = bus.app.count[DIAG_STREAM_MISSED];
     check_int("a stream without session misses nothing", missed, 7 + TIMEOUT);
     recover(STATE_RUNNING, FAULT_TIMEOUT);
-    start(REACTION_HOLD);
+    start_reaction(REACTION_HOLD);
     bus_run(&bus, 200);
     check_hex("the plant is the same as with heartbeats", silent, plant_hash(&bus.app.plant));
 }
 
 TEST(app_timeout_ramp)
 {
-    start(REACTION_RAMP);
+    start_reaction(REACTION_RAMP);
     bus_silent(&bus, TIMEOUT);
     double a0 = bus.app.plant.drive[0].amplitude * 64.0;
     for (int i = 1; i <= 15; i++) {
@@ -114,7 +114,7 @@ TEST(app_timeout_ramp)
 
 TEST(app_timeout_zero)
 {
-    start(REACTION_ZERO);
+    start_reaction(REACTION_ZERO);
     bus_silent(&bus, TIMEOUT + 1);
     check_true("silent at the end of the frame",
                !drive_active(&bus.app.plant.drive[0]) && !drive_active(&bus.app.plant.drive[1]));
@@ -145,7 +145,7 @@ TEST(app_timeout_zero)
 
 TEST(app_timeout_freeze)
 {
-    start(REACTION_FREEZE);
+    start_reaction(REACTION_FREEZE);
     bus_silent(&bus, TIMEOUT);
     uint64_t hash = plant_hash(&bus.app.plant);
     int64_t tick = (int64_t)bus.app.plant.now.tick;
@@ -168,7 +168,7 @@ TEST(app_timeout_freeze)
     bus_silent(&bus, 101);
     check_int("from ready: state", bus.app.state, STATE_READY);
     /* A stop is stronger. */
-    start(REACTION_FREEZE);
+    start_reaction(REACTION_FREEZE);
     bus_silent(&bus, TIMEOUT + 1);
     bus_control(&bus, CONTROL_STOP, 0);
     bus_silent(&bus, 1);

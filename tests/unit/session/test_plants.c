@@ -9,7 +9,7 @@ enum { CATCHER, SKIPPER, N };
 
 static struct plants plants;
 
-static void start(void)
+static void start_plants(void)
 {
     static const double policy[N] = {OVERRUN_CATCH_UP, OVERRUN_SKIP};
     char why[SCENE_REASON] = "";
@@ -40,7 +40,7 @@ static void check_frames(const char *name, int i, int frames, int due)
 
 TEST(plants_overrun)
 {
-    start();
+    start_plants();
     plants_begin(&plants, 1);
     frame_of_all();
     check_frames("on time: the first", CATCHER, 1, 0);

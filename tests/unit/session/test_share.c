@@ -12,7 +12,7 @@ static struct loopback_bus wires;
 static struct share share;
 static struct share_part part[PLANTS];
 
-static void begin(uint32_t n, uint8_t flags)
+static void begin_share(uint32_t n, uint8_t flags)
 {
     loopback_init(&wires, PORTS, LOOPBACK_RING);
     share_init(&share, &wires.port[OURS].hal, part, n, BASE, flags, URGENT);
@@ -45,7 +45,7 @@ static int take(uint32_t i, int *first, int *last, int *faults)
 TEST(share_by_identifier)
 {
     int first, last, faults;
-    begin(PLANTS, 0);
+    begin_share(PLANTS, 0);
     put(BASE, 0, 1);                          /* the first identifier of plant 0 */
     put(BASE + FRAME_IDS - 1, 0, 2);          /* its last */
     put(BASE + FRAME_IDS, 0, 3);              /* the first of plant 1 */
@@ -68,7 +68,7 @@ TEST(share_by_identifier)
 TEST(share_faults_reach_all)
 {
     int first, last, faults;
-    begin(PLANTS, 0);
+    begin_share(PLANTS, 0);
     wires.port[OURS].fault = HAL_BUS_OFF;
     put(BASE + 2 * FRAME_IDS, 0, 1);
     share_collect(&share);
@@ -85,7 +85,7 @@ TEST(share_flood)
 {
     enum { FLOOD = SHARE_QUEUE + 40, STOP_ID = 2, STREAM_ID = 4, STOP_MARK = 99 };
     int first, last, faults;
-    begin(PLANTS, 0);
+    begin_share(PLANTS, 0);
     for (int i = 0; i < FLOOD; i++)
         put(BASE + FRAME_IDS + STREAM_ID, 0, 1);
     put(BASE + FRAME_IDS + STOP_ID, 0, STOP_MARK);
@@ -108,7 +108,8 @@ TEST(share_flood)
 }
 
 /* Sends a command of plant i in session 1, as a good controller would. */
-static void command(uint32_t i, unsigned kind, uint8_t counter, double first, double second, double third)
+static void share_command(uint32_t i, unsigned kind, uint8_t counter, double first, double second,
+                          double third)
 {
     const struct wire_scene scene = {.base_id = BASE + i * FRAME_IDS};
     const struct message m = {.kind = (uint8_t)kind, .counter = counter, .value = {1, first, second, third}};
@@ -120,7 +121,7 @@ static void command(uint32_t i, unsigned kind, uint8_t counter, double first, do
 }
 
 /* One frame of the first n plants; the far side reads its ring empty. */
-static void frame_of_all(struct app *app, uint32_t n)
+static void frame_of_shares(struct app *app, uint32_t n)
 {
     struct frame f;
     share_collect(&share);
@@ -131,30 +132,30 @@ static void frame_of_all(struct app *app, uint32_t n)
         continue;
 }
 
-enum { FRAMES = 60, STOP_AT = 30 };
+enum { SHARE_FRAMES = 60, STOP_AT = 30 };
 
 /* n plants, each in a session of its own with a sample in each frame; one is told to stop. */
 static void run(struct app *app, uint32_t n, uint32_t stopped)
 {
     struct app_config c = bus_config();
-    begin(n, 0);
+    begin_share(n, 0);
     for (uint32_t i = 0; i < n; i++) {
         c.base_id = BASE + i * FRAME_IDS;
         check_no_error("a plant begins", app_init(&app[i], &c, &part[i].hal));
     }
-    for (uint8_t now = 0; now < FRAMES; now++) {
+    for (uint8_t now = 0; now < SHARE_FRAMES; now++) {
         for (uint32_t i = 0; i < n; i++) {
             if (i == stopped && now > STOP_AT)
                 continue;
-            command(i, WIRE_ENABLE, now % WIRE_COUNTER_STATES, 1.0, now, 0.0);
+            share_command(i, WIRE_ENABLE, now % WIRE_COUNTER_STATES, 1.0, now, 0.0);
             if (now == 1)
-                command(i, WIRE_CONTROL, 0, CONTROL_START, 0xFF - CONTROL_START, now);
+                share_command(i, WIRE_CONTROL, 0, CONTROL_START, 0xFF - CONTROL_START, now);
             if (now > 1)
-                command(i, WIRE_STREAM, now % WIRE_COUNTER_STATES, now, now % 7 - 3.0, 0.0);
+                share_command(i, WIRE_STREAM, now % WIRE_COUNTER_STATES, now, now % 7 - 3.0, 0.0);
             if (now == STOP_AT && i == stopped)
-                command(i, WIRE_CONTROL, 1, CONTROL_STOP, 0xFF - CONTROL_STOP, 0.0);
+                share_command(i, WIRE_CONTROL, 1, CONTROL_STOP, 0xFF - CONTROL_STOP, 0.0);
         }
-        frame_of_all(app, n);
+        frame_of_shares(app, n);
     }
 }
 
@@ -168,7 +169,7 @@ TEST(share_plants)
     check_int("alone it runs", alone.state, STATE_RUNNING);
     check_int("with each sample", (int64_t)alone.count[DIAG_LATE], 0);
     run(app, PLANTS, STOPPED);
-    check_int("the watchdog is fed once a frame", (int)wires.port[OURS].healthy, FRAMES);
+    check_int("the watchdog is fed once a frame", (int)wires.port[OURS].healthy, SHARE_FRAMES);
     check_int("the stopped one", app[STOPPED].state, STATE_STOPPED);
     for (uint32_t i = 0; i < PLANTS; i++) {
         bool equal = plant_hash(&app[i].plant) == plant_hash(&alone.plant);
