@@ -10,6 +10,7 @@
 #include "tests/fixture/trajectory.h"
 
 /* Extended precision is the point here. */
+#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
 enum { FREE_PERIODS = 10000, PHASES = 32, BISECTIONS = 60 };
@@ -190,3 +191,5 @@ TEST(energy_contact_time)
     }
     check_below("longer at speed 10000 by", longer, 1e-5);
 }
+
+#pragma GCC diagnostic pop

@@ -12,6 +12,7 @@
 #include "tests/fixture/trajectory.h"
 
 /* Extended precision is the point here. */
+#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
 static double scratch[METHOD_SCRATCH];
@@ -267,3 +268,5 @@ TEST(taylor_just_switched)
     check_int("pressed by more, a switch", step(&hertz_rig, p, scratch, &e, 0, pressed, &c), STEP_SWITCH);
     check_is("at once", c.done, ==, 0.0);
 }
+
+#pragma GCC diagnostic pop

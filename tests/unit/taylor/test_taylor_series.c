@@ -10,6 +10,7 @@
 #include "tests/fixture/exact.h"
 
 /* Extended precision is the point here. */
+#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
 enum { TERMS = TAYLOR_TERMS, CASES = 40 };
@@ -367,3 +368,5 @@ TEST(taylor_root)
     check_true("the other sign", taylor_first_root(c, -1.0, 1.0, &root));
     check_near("a falling root", root.at, 0.5, 1e-15);
 }
+
+#pragma GCC diagnostic pop
