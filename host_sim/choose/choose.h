@@ -82,8 +82,9 @@ int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOS
 /* Has this model reduced models that keep one mode of it? */
 bool choose_ladder_modal(const struct model *m);
 
-/* Share of mode k = 0..2 of the open shaft in a motion x[3]: its amplitude at the bearing that moves more. */
-void choose_ladder_modes(const double *p, const double *x, double q[3]);
+/* Share of mode k = 0..2 of the open shaft in a motion x[3]: its amplitude at the bearing that moves more.
+ * shape: shaft_open_modes(p). */
+void choose_ladder_modes(const double *p, double shape[3][3], const double *x, double q[3]);
 
 /* ---- choose_run.c ---- */
 

@@ -139,10 +139,8 @@ static const char *to_averaged(const struct scene *full, const struct fast *own,
     return NULL;
 }
 
-void choose_ladder_modes(const double *p, const double *x, double q[3])
+void choose_ladder_modes(const double *p, double shape[3][3], const double *x, double q[3])
 {
-    double shape[3][3];
-    shaft_open_modes(p, shape);
     for (int k = 0; k < 3; k++) {
         const double *s = shape[k];
         double size = fmax(fabs(s[0]), fabs(s[2])), sign = s[0] < 0.0 ? -1.0 : 1.0, mass = 0.0, sum = 0.0;
@@ -157,14 +155,15 @@ void choose_ladder_modes(const double *p, const double *x, double q[3])
 /* The full motion seen along one open mode. */
 static const char *to_mode(const struct scene *full, struct scene *candidate, int mode)
 {
-    double x[MODEL_STATES], q[2][3], one[MODEL_STATES] = {0.0};
+    double x[MODEL_STATES], q[2][3], shape[3][3], one[MODEL_STATES] = {0.0};
     struct choose_prepared o;
     candidate->value[candidate->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
     if (!full->started)
         return NULL;
     begin_state(full, &o, x);
-    choose_ladder_modes(o.p, x, q[0]);
-    choose_ladder_modes(o.p, x + 3, q[1]);
+    shaft_open_modes(o.p, shape);
+    choose_ladder_modes(o.p, shape, x, q[0]);
+    choose_ladder_modes(o.p, shape, x + 3, q[1]);
     one[0] = q[0][mode - 1];
     one[1] = q[1][mode - 1];
     put_start(candidate, one);

@@ -9,6 +9,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/afm_lever.h"
+#include "models/shaft_views.h"
 
 static const double frames_max = 2e6, lever_looks_max = 1e7;
 static const double floor_of_span = 1e-6; /* in the model's unit */
@@ -27,7 +28,8 @@ const char *const choose_statistic_name[STATISTICS] = {"mean", "rms", "peak", "l
 struct runner {
     struct plant plant, ahead;
     size_t n_scratch;
-    double near; /* a lever's gap below which modal cuts its ticks */
+    double near;        /* a lever's gap below which modal cuts its ticks */
+    double shape[3][3]; /* a shaft's open modes */
     double scratch[METHOD_SCRATCH], scratch_ahead[METHOD_SCRATCH];
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
@@ -71,6 +73,8 @@ static const char *start(struct runner *o, const struct scene *s, double nudge)
     if (s->model->modal_form)
         s->model->modal_form(o->plant.p, &form);
     o->near = form.near;
+    if (choose_ladder_modal(s->model))
+        shaft_open_modes(o->plant.p, o->shape);
     double x[MODEL_STATES];
     memcpy(x, o->plant.x, sizeof x);
     x[0] += nudge;
@@ -129,7 +133,8 @@ static double reach(const struct plant *pl, double range[2])
     return x;
 }
 
-static void observe(const struct plant *pl, const struct scene *s, struct choose_record *r)
+static void observe(const struct plant *pl, const struct scene *s, double shape[3][3],
+                    struct choose_record *r)
 {
     double output[MODEL_OUTPUTS], q[3];
     plant_output(pl, output);
@@ -139,7 +144,7 @@ static void observe(const struct plant *pl, const struct scene *s, struct choose
     r->high = fmax(r->high, c);
     if (!choose_ladder_modal(s->model))
         return;
-    choose_ladder_modes(pl->p, pl->x, q);
+    choose_ladder_modes(pl->p, shape, pl->x, q);
     for (int k = 0; k < 3; k++)
         r->modes[k] = fmax(r->modes[k], fabs(q[k]));
 }
@@ -155,7 +160,7 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     memcpy(o->scratch_ahead, o->scratch, o->n_scratch * sizeof *o->scratch);
     if (!plant_advance(&o->ahead, to))
         return false;
-    observe(&o->ahead, s, r);
+    observe(&o->ahead, s, o->shape, r);
     return true;
 }
 
@@ -186,7 +191,7 @@ static bool go_frame(struct runner *o, const struct scene *s, struct choose_reco
     if (!go_ticks(o, (uint64_t)s->substeps, r))
         return false;
     r->ns += (clock_now_s() - begin_s) * 1e9;
-    observe(&o->plant, s, r);
+    observe(&o->plant, s, o->shape, r);
     r->n++;
     return true;
 }
