@@ -39,7 +39,21 @@ HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
 # The unit tests with their fixtures, and parts of other programs that they check.
 UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out)
-obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
+# What libcontactplant has of the program: what reads a scene, what talks to a plant; FMUs have no client.
+LIB_CLIENT := host_sim/library/library_bus.c host_sim/library/library_client.c host_sim/live/client.c host_sim/live/explain.c
+LIB_HOST := $(filter-out $(LIB_CLIENT),$(wildcard host_sim/library/*.c)) host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c \
+            $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
+# Rooms: the files of a folder of host_sim or of the unit tests are compiled together, as one translation unit, room.o. That is half
+# of the work: a compiler's start and the C library's headers take longer than most files. What the library has of a folder is
+# lib.o beside it. With ROOMS= each file is compiled alone, as make check does.
+ROOMS = yes
+TOGETHER := $(if $(ROOMS),$(HOST_PARTS) $(filter-out $(wildcard tests/unit/*.c),$(filter tests/unit/% tests/physics/%,$(UNIT_SRC))))
+LIB_ROOM_SRC := $(filter $(LIB_HOST),$(TOGETHER))
+ROOM_SRC := $(filter-out $(LIB_HOST) $(LIB_CLIENT) $(BATCH_SRC),$(TOGETHER))
+units = $(patsubst %,$(BUILD)/%$(1).o,$(sort $(dir $(2))))
+obj = $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ROOM_SRC) $(LIB_ROOM_SRC),$(1))) \
+      $(call units,room,$(filter $(ROOM_SRC),$(1))) $(call units,lib,$(filter $(LIB_ROOM_SRC),$(1)))
+ROOM_OBJ := $(call obj,$(ROOM_SRC) $(LIB_ROOM_SRC))
 CORE := $(call obj,$(CORE_SRC))
 # What the program and the tests link; libcontactplant is made in host_sim/library/library.mk.
 LIB  := $(BUILD)/libcore.a
@@ -85,6 +99,14 @@ $(CORE): $(BUILD)/%.o: %.c $(BUILD)/flags
 	@$(info $()  $(CC) $<)$(CC) $(CFLAGS) -fstack-usage -c $< -o $@
 $(BUILD)/%.o: %.c $(BUILD)/flags
 	@$(info $()  $(CC) $<)$(CC) $(CFLAGS) $(POSIX) -c $< -o $@
+compile_together = printf '\043include "%s"\n' $(1) | $(CC) $(CFLAGS) $(POSIX) -MF $(@:.o=.d) -MT $@ -x c -c - -o $@
+# A file that comes or goes, whatever its time, is a reason to compile rooms anew; the list of dependencies may still name one that went.
+$(BUILD)/rooms: FORCE
+	@mkdir -p $(@D)
+	@echo '$(TOGETHER)' | cmp -s - $@ || echo '$(TOGETHER)' >$@
+$(ROOM_OBJ): $(BUILD)/flags $(BUILD)/rooms
+	@$(info $()  $(CC) $(@:$(BUILD)/%.o=%))$(call compile_together,$(filter $(ROOM_SRC) $(LIB_ROOM_SRC),$^))
+$(foreach file,$(ROOM_SRC) $(LIB_ROOM_SRC),$(eval $(call obj,$(file)): $(file)))
 
 $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 $(HOST_LIB): $(call obj,$(HOST_PARTS))
@@ -101,7 +123,7 @@ $(BUILD)/unit: $(UNIT_OBJ) $(LIB)
 	$(link)
 $(BUILD)/runner_cases: $(call obj,tests/house/runner_cases.c tests/unit/main.c tests/unit/check.c)
 	$(link)
-$(BUILD)/dbc_vectors: $(call obj,tests/cli/dbc_vectors.c host_sim/cli/names.c host_sim/cli/dbc.c) $(LIB)
+$(BUILD)/dbc_vectors: $(call obj,tests/cli/dbc_vectors.c) $(HOST_LIB) $(LIB)
 	$(link)
 $(BUILD)/test_board: $(call obj,$(call test_src,$(BOARD_TEST))) $(HOST_LIB) $(LIB)
 	$(link)
@@ -110,7 +132,7 @@ $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
 $(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c tests/bench/cost/work_microscope.c) $(LIB)
 	$(link)
-$(BUILD)/costs: $(call obj,tests/bench/cost/costs.c tests/bench/cost/work_rungs.c host_sim/choose/choose_machine.c) $(LIB)
+$(BUILD)/costs: $(call obj,tests/bench/cost/costs.c tests/bench/cost/work_rungs.c) $(HOST_LIB) $(LIB)
 	$(link)
 # A model with a row of its own: the table's users compiled once more, with that row in it.
 WITH_ROW := $(call obj,with_row/firmware/method/rk4.c with_row/firmware/plant/ledger.c)
@@ -157,10 +179,9 @@ $(foreach name,$(ALONE),$(eval $(BUILD)/$(name): $(call obj,$(call test_src,$(na
 run: all ## ten seconds of the plant on a bus with a controller; picture in build/demo
 	@$(BUILD)/contactplant demo --out $(BUILD)/demo
 
-# A line a file; with T the tests whose name contains it, each check with its values. sweep_grids takes 20 s by itself: T=sweep_grids
-# and make test run it.
-unit: $(BUILD)/unit ## the unit tests (sweep_grids apart; 60 to 75 s); T=lockin runs those whose name contains lockin
-	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief --except sweep_grids)
+# A line a file; with T the tests whose name contains it, each check with its values. Two take 35 s: make test and T=sweep run them.
+unit: $(BUILD)/unit ## the unit tests in a minute (but sweep_grids and sweep_reference_fast); T=lockin runs those whose name contains lockin
+	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief --except sweep_grids --except sweep_reference_fast)
 
 test: ## every test; installs what is missing on Debian 12 when run as root
 	@tests/run.sh
@@ -169,9 +190,12 @@ COUNTS := host_sim/choose/choose_counts.h
 costs: $(BUILD)/costs ## the instruction counts of contactplant choose, from tests/data
 	@$(BUILD)/costs >$(BUILD)/counts.h && cp $(BUILD)/counts.h $(COUNTS)
 
-check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English
+# Each file of the program, compiled without its room: what it needs it includes, and its symbols are known.
+alone-objects: $(call obj,$(HOST_SRC))
+check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English
+	@$(MAKE) -s BUILD=$(BUILD)/alone ROOMS= OPT=-O0 alone-objects
 	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; \
-	tests/house/check_circles.sh nm $(filter-out %_avx2.o,$(CORE) $(call obj,$(HAL_SRC) $(HOST_SRC))) || status=1; \
+	tests/house/check_circles.sh nm $(CORE) $(call obj,$(HAL_SRC)) $(patsubst %.c,$(BUILD)/alone/%.o,$(filter-out %_avx2.c,$(HOST_SRC))) || status=1; \
 	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; \
 	if $(BUILD)/costs | cmp -s - $(COUNTS); then echo "ok    $(COUNTS) is what tests/data gives"; \
 	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
@@ -235,13 +259,13 @@ test-boards-bits: ## every model and method for 100,000 ticks on every board
 # gcov on the unit tests: each line runs, each branch not taken has a cause (docs/why/proofs.md). Nothing is inlined: each copy of a kernel would be
 # counted, with the conditions of all the others constant in it. These tests take long, and run no line or branch that no other one
 # runs: with them the count is the same. Sweeps run in processes that end without writing counts: most are left out.
-COVERED_ELSEWHERE := sweep_grids sweep_reference balance_quiet basin_methods basin_plant_shaft basin_plant_base \
+COVERED_ELSEWHERE := sweep_grids sweep_reference sweep_reference_fast balance_quiet basin_methods basin_plant_shaft basin_plant_base \
     basin_plant_tip basin_plant_rig basin_rig basin_shaft_pairs papers_jumps papers_folds papers_reference \
     choose_refuse_modes choose_sweep_back choose_reference app_stop_line \
     $(addprefix sweep_,unsettled linear beats steep small_jump approach still unlocated harmonics escape resume chance \
     chance_of_long_steps jump_chance shards)
 coverage: ## lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines, and a cause for each branch not taken, or FAIL
-	@$(MAKE) -s COVER="-O1 --coverage -Dalways_inline=noinline -Wno-attributes -Wno-psabi" BUILD=build/coverage build/coverage/unit
+	@$(MAKE) -s ROOMS= COVER="-O1 --coverage -Dalways_inline=noinline -Wno-attributes -Wno-psabi" BUILD=build/coverage build/coverage/unit
 	@find build/coverage -name '*.gcda' -delete
 	@build/coverage/unit --jobs $(shell nproc) $(addprefix --except ,$(COVERED_ELSEWHERE)) >build/coverage/unit.log || tail -1 build/coverage/unit.log
 	@tests/house/coverage.sh build/coverage
@@ -320,8 +344,8 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 	@tests/house/check_built.sh $(BUILD)
 
 # Of this build and board: builds in folders of their own lie in the same one.
--include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
+-include $(wildcard $(ROOM_OBJ:.o=.d) $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
+.PHONY: all help run unit test trial-seeds costs alone-objects check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
 # Kept, though only a pattern names them. Not .SECONDARY: with it an object that is missing was not made again.
 .PRECIOUS: $(BUILD)/%.o $(FW)/%.o $(FW)/%.elf

@@ -27,7 +27,7 @@ last=$(cat build/test.seconds 2>/dev/null)
 if [ -n "$last" ]; then
     echo "every test: $(spent "$last") the last time here; the lines stand in build/test.log, too"
 else
-    echo "every test: 15 to 20 minutes on two cores; the lines stand in build/test.log, too"
+    echo "every test: 15 to 18 minutes on two cores; the lines stand in build/test.log, too"
 fi
 
 # The stages that have begun and are not over; before the first one only packages are asked for.

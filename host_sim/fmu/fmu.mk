@@ -1,26 +1,28 @@
 # fmu.mk - what contactplant fmu packs beside the scene: a binary that any scene fits, and its sources. No client and no bus.
 FMU_OWN := $(addprefix host_sim/fmu/fmu_,instance.c values.c state.c refuse.c variables.c)
-FMU_SRC := $(filter-out host_sim/library/library_bus.c host_sim/library/library_client.c host_sim/live/% hal/link/%,$(LIB_SRC)) \
-           $(FMU_OWN)
-FMU_OBJ  = $(call obj,$(filter-out $(FMU_OWN),$(FMU_SRC))) $(FMU_OWN:%.c=$(BUILD)/fmu_parts/%.o)
+FMU_SRC := $(filter-out $(LIB_CLIENT) hal/link/%,$(LIB_SRC)) $(FMU_OWN)
+FMU_OBJ  = $(call obj,$(filter-out $(FMU_OWN),$(FMU_SRC))) $(BUILD)/fmu_parts/own.o
 FMU_PLATFORM = $(shell $(CC) -dumpmachine | sed 's/-.*//')-linux
 # The flags that the bits need, and a source's own: an importer that compiles the sources takes them from buildDescription.xml.
 FMU_FLAGS = -std=c99 -O2 $(filter -f%,$(FLAGS))
 fmu: $(BUILD)/fmu/files ## what contactplant fmu packs into every FMU: binary and sources, in build/fmu
 
 # In a shared library the functions have the standard's own names.
-$(BUILD)/fmu_parts/%.o: %.c $(BUILD)/flags
+$(BUILD)/fmu_parts/own.o: $(FMU_OWN) $(BUILD)/flags
 	@mkdir -p $(@D)
-	@echo "  $(CC) $< for FMUs"
-	@$(CC) $(CFLAGS) $(POSIX) -DFMI3_OVERRIDE_FUNCTION_PREFIX -c $< -o $@
+	@$(info $()  $(CC) host_sim/fmu/ for FMUs)$(call compile_together,$(FMU_OWN)) -DFMI3_OVERRIDE_FUNCTION_PREFIX
 $(BUILD)/fmu_parts/fmu.so: $(FMU_OBJ) host_sim/fmu/fmu.map
 	@$(CC) $(CFLAGS) -shared -Wl,--version-script=host_sim/fmu/fmu.map -Wl,--no-undefined -Wl,--gc-sections $(FMU_OBJ) -lm -s -o $@
 $(BUILD)/fmu/files: $(BUILD)/fmu_parts/fmu.so host_sim/fmu/fmu_parts.sh LICENSE
 	@FLAGS="$(FMU_FLAGS)" DEFINITIONS="$(patsubst -D%,%,$(POSIX))" DEPENDENCIES="$(FMU_OBJ:.o=.d)" \
 	    host_sim/fmu/fmu_parts.sh $(BUILD) $< $(FMU_PLATFORM) $(FMU_SRC)
--include $(wildcard $(FMU_OWN:%.c=$(BUILD)/fmu_parts/%.d))
+-include $(wildcard $(BUILD)/fmu_parts/own.d)
 
-.PHONY: fmu
+# For the test that links them under the sanitizers.
+fmu-objects:
+	@echo $(FMU_OBJ)
+
+.PHONY: fmu fmu-objects
 
 # The tests' importer: the standard's functions by dlopen, beside the library's own plant. tests/fmi/test_fmi.sh gives it FMUs.
 IMPORTER := $(call obj,$(wildcard tests/fmi/*.c) tests/unit/main.c tests/unit/check.c)

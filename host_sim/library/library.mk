@@ -10,14 +10,12 @@ CROSS   =
 LIB_FLAGS =
 
 # The core, what reads a scene, what talks to a plant: no file, no socket, no clock.
-LIB_SRC := $(CORE_SRC) $(wildcard host_sim/library/*.c) hal/link/cannelloni.c $(if $(CROSS),,hal/posix/check_host.c) \
-           host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c host_sim/live/client.c host_sim/live/explain.c \
-           $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
+LIB_SRC := $(CORE_SRC) $(LIB_HOST) $(LIB_CLIENT) hal/link/cannelloni.c $(if $(CROSS),,hal/posix/check_host.c)
 # The host's library has the program's objects, one for firmware a build of its own.
 ROOM     = $(BUILD)$(if $(CROSS),/lib-$(CROSS:%-=%))
 PUBLIC   = $(ROOM)/libcontactplant.a
 SHARED   = $(BUILD)/libcontactplant.so.$(ABI)
-LIB_OBJ  = $(LIB_SRC:%.c=$(ROOM)/%.o)
+LIB_OBJ  = $(if $(CROSS),$(LIB_SRC:%.c=$(ROOM)/%.o),$(call obj,$(LIB_SRC)))
 
 lib: $(PUBLIC) $(if $(CROSS),,$(SHARED)) ## libcontactplant.a and libcontactplant.so; CROSS=arm-none-eabi- LIB_FLAGS=.. for firmware
 

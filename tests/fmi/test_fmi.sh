@@ -108,9 +108,9 @@ gcc $flags -c host_sim/fmu/fmu_refuse.c -o "$here/prefix.o"
 equal "without the override names begin with" "$(nm -g --defined-only "$here/prefix.o" | awk '{print substr($3, 1, 17)}' | sort -u)" contactplant_fmi3
 cd - >/dev/null || exit 1
 # Under the sanitizers the same files from the build of all tests, but for the names that functions have in an FMU.
-objects=$(echo "$files" | sed 's|\.c$|.o|; s|^host_sim/fmu/|fmu_parts/&|; s|^|build/asan/|')
+objects=$(make -s BUILD=build/asan fmu-objects)
 make -s sanitized-targets TARGETS="$(echo $objects)" >"$here/log" 2>&1 && clang $sanitize -shared $objects $libraries -o "$here/sanitized.so" 2>"$here/log"
-verdict $? "the same $(echo "$objects" | wc -l) files under the sanitizers" "$(tail -n 3 "$here/log")"
+verdict $? "the same files, $(echo "$objects" | wc -w) objects, under the sanitizers" "$(tail -n 3 "$here/log")"
 clang -O1 -std=c99 $sanitize -D_GNU_SOURCE -I. tests/fmi/*.c tests/unit/main.c tests/unit/check.c "$build/libcontactplant.a" -lm -o "$here/importer" 2>"$here/log"
 verdict $? "the importer under the sanitizers" "$(head -n 3 "$here/log")"
 for by in gcc sanitized; do
