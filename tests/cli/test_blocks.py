@@ -7,41 +7,19 @@ import math
 import os
 import re
 import signal
-import socket
 import struct
 import subprocess
 import sys
 import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
 from lockstep_client import START, STOP, SYNC, Client  # noqa: E402
+from processes import free_ports  # noqa: E402
+from verdicts import conclude, equal, verdict  # noqa: E402
 
 DAC, REPLY, ADC = 0x0F, 0x11, 0x24
 LATE, FULL = 2, 6
 program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
-results = []
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": %s" % (why,)), flush=True)
-
-
-def equal(name, got, wanted):
-    verdict("%s: %.60s" % (name, got), got == wanted, "wanted %.200s" % (wanted,))
-
-
-def free_ports():
-    """Two in a row that nobody has."""
-    for first in range(12000 + os.getpid() % 800 * 10, 32000, 10):
-        try:
-            for i in range(2):
-                with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
-                    s.bind(("127.0.0.1", first + i))
-            return first
-        except OSError:
-            continue
-    sys.exit("FAIL  no free ports")
 
 
 class Board(Client):
@@ -92,7 +70,7 @@ def start(port, lockstep, rate, n, *options):
 def exchange(lockstep, rate, n, blocks, law, *options):
     """A session of so many blocks. law(tick, heard): the codes for a tick; heard: what was read in it a block before.
     Returns the codes that were read, the causes of refusals, and what the plant prints."""
-    port = free_ports()
+    port = free_ports(2, 12000)
     child = start(port, lockstep, rate, n, *options)
     board, read, first = Board(port, lockstep), [], 0
     try:
@@ -158,7 +136,7 @@ def test_refusals():
     equal("  codes read", read, [])
     read, board, out = exchange(True, 1000, 5, 3, lambda t, heard: (0, 100 + t), "--set", "z_m_per_V=50e-9")
     equal("another gain of z: codes", [r[2] for r in read], [100 + t for t in range(15)])
-    port = free_ports()
+    port = free_ports(2, 12000)
     child, board = start(port, True, 1000, 5), Board(port, True)
     board.open()
     board.control(START)
@@ -192,5 +170,4 @@ if "--throughput" in sys.argv:
 test_delay()
 test_bits()
 test_refusals()
-print("%d passed, %d failed" % (results.count(True), results.count(False)))
-sys.exit(results.count(False) > 0)
+conclude()

@@ -8,50 +8,16 @@ import re
 import signal
 import socket
 import struct
-import subprocess
 import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from processes import LONG, end, end_all, free_ports, start  # noqa: E402
+from verdicts import conclude, equal, verdict  # noqa: E402
+
 program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
 here = os.path.dirname(os.path.abspath(__file__))
-results = []
-children = []
-LONG = 300  # s, for what only a broken program takes
-
-
-def verdict(name, good, why=""):
-    results.append(good)
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + why), flush=True)
-
-
-def equal(name, got, wanted):
-    verdict("%s: %.60s" % (name, got), got == wanted, "wanted %s" % (wanted,))
-
-
-def free_port():
-    """The first of four in a row that nobody has."""
-    for first in range(11000 + os.getpid() % 800 * 10, 32000, 10):
-        try:
-            for i in range(4):
-                with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
-                    s.bind(("127.0.0.1", first + i))
-            return first
-        except OSError:
-            continue
-    sys.exit("FAIL  no free ports")
-
-
-def start(*arguments):
-    child = subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    children.append(child)
-    return child
-
-
-def end(child):
-    """What it printed, and its status; it must end by itself or by a signal that was sent."""
-    child.out, child.err = child.communicate(timeout=LONG)
-    return child.returncode
 
 
 def until(condition):
@@ -358,15 +324,11 @@ def test_misuse():
     refused("--patience needs --lockstep", "control", "--bus", "udp:0", "--patience", "1")
 
 
-port = free_port()
+port = free_ports(4, 11000)
 with tempfile.TemporaryDirectory() as directory:
     try:
         for test in (test_misuse, test_words, test_equal_runs, test_stopped, test_faults, test_two_peers, test_strangers, test_silence, test_memory):
             test()
     finally:
-        for child in children:
-            if child.poll() is None:
-                child.kill()
-                child.wait()
-print("%d passed, %d failed" % (sum(map(bool, results)), sum(not r for r in results)))
-sys.exit(not all(results))
+        end_all()
+conclude()

@@ -13,17 +13,14 @@ import tempfile
 
 from lockstep_client import MORE, START, STOP, STREAM, Client
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import conclude, verdict  # noqa: E402
+
 program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
-results = []
 BASE, BLOCK, TURNS = 0x200, 0x40, 300
 SCENES = ["rig", "hertz_rig", "tip", "rig", "rig", "shaft", "rig", "hertz_rig"]
 STOPPED, STOP_AT, SILENT, SILENT_AT = 3, 150, 4, 100  # one is told to stop, one loses its client
 TIMEOUT = 32  # the bit of FAULTS
-
-
-def verdict(name, good, why=""):
-    results.append(good)
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + why), flush=True)
 
 
 class Member(Client):
@@ -154,5 +151,4 @@ def test_refusals():
 with tempfile.TemporaryDirectory() as directory:
     test_together()
     test_refusals()
-print("%d passed, %d failed" % (sum(results), len(results) - sum(results)))
-sys.exit(not all(results))
+conclude()

@@ -19,23 +19,16 @@ import threading
 import time
 import warnings
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import conclude, equal, verdict  # noqa: E402
+
 root = pathlib.Path(__file__).resolve().parents[2]
 build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "build").resolve()
 sys.dont_write_bytecode = True
 os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
 for name in ("CONTACTPLANT_LIBRARY", "LD_LIBRARY_PATH", "MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
     os.environ.pop(name, None)
-results = []
 LONG = 300  # s, for what only a broken program takes
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name.strip() + ("" if good or not why else ": %s" % why), flush=True)
-
-
-def equal(name, got, wanted):
-    verdict("%s: %.60s" % (name, got), got == wanted, "wanted %s" % (wanted,))
 
 
 def refused(name, code, pattern, call, *arguments, **named):
@@ -763,5 +756,4 @@ with tempfile.TemporaryDirectory() as folder:
     (python / "__pycache__/contactplant.cpython-311.pyc").write_bytes(b"")  # as Python leaves one
     command(*make, "PREFIX=%s" % prefix, "uninstall")
     equal("make uninstall leaves", list(prefix.rglob("*")), [])
-print("%d passed, %d failed" % (sum(results), len(results) - sum(results)))
-sys.exit(not all(results))
+conclude()

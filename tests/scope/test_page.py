@@ -12,7 +12,9 @@ import time
 
 from chromium import Chromium
 from planted import AMPLITUDE_M, HZ, LIFTS, MEAN_M, Planted
-from verdicts import check, conclude
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import check, conclude  # noqa: E402
 
 program = sys.argv[1]
 pictures = sys.argv[2] if len(sys.argv) > 2 else None

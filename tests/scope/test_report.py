@@ -14,7 +14,9 @@ import tempfile
 import time
 
 from chromium import Chromium
-from verdicts import check, conclude
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import check, conclude  # noqa: E402
 
 program = os.path.abspath(sys.argv[1])
 pictures = sys.argv[2] if len(sys.argv) > 2 else None

@@ -15,46 +15,14 @@ import tempfile
 import threading
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from processes import children, end, end_all, free_ports, start  # noqa: E402
+from verdicts import conclude, equal, verdict  # noqa: E402
+
 program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
-results = []
-children = []
 LONG = 60  # s, for what only a broken program takes
 ROWS = 10000
 PATIENT = ("--setting", "timeout_frames=10000", "--setting", "age_limit_frames=10000")  # a loaded machine is no lost session
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:400]), flush=True)
-
-
-def equal(name, got, wanted):
-    verdict("%s: %.60s" % (name, got), got == wanted, "wanted %s" % (wanted,))
-
-
-def free_port():
-    """The first of ten in a row that nobody has, for UDP and TCP."""
-    for first in range(32000 + os.getpid() % 800 * 10, 60000, 10):
-        try:
-            for i in range(10):
-                for kind in (socket.SOCK_DGRAM, socket.SOCK_STREAM):
-                    with socket.socket(socket.AF_INET, kind) as s:
-                        s.bind(("127.0.0.1", first + i))
-            return first
-        except OSError:
-            continue
-    sys.exit("FAIL  no free ports")
-
-
-def start(*arguments):
-    child = subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    children.append(child)
-    return child
-
-
-def end(child):
-    child.out, child.err = child.communicate(timeout=LONG)
-    return child.returncode
 
 
 def finish(child):
@@ -673,7 +641,7 @@ def test_another_plant():
     verdict("and on the terminal, once", scope.err.count("substeps 64, not 32") == 1, scope.err)
 
 
-port = free_port() // 10 * 10
+port = free_ports(10, 32000, (socket.SOCK_DGRAM, socket.SOCK_STREAM)) // 10 * 10
 with tempfile.TemporaryDirectory() as directory:
     try:
         ten_seconds = begin_ten_seconds()
@@ -682,9 +650,5 @@ with tempfile.TemporaryDirectory() as directory:
             test()
         end_ten_seconds(*ten_seconds)
     finally:
-        for child in children:
-            if child.poll() is None:
-                child.kill()
-                child.wait()
-print("%d passed, %d failed" % (sum(results), sum(not r for r in results)))
-sys.exit(not all(results))
+        end_all()
+conclude()

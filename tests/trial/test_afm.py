@@ -10,16 +10,13 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import conclude, verdict  # noqa: E402
+
 build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 program = os.path.join(build, "contactplant")
-results = []
 F0, K, Q, K_B, RADIUS, HAMAKER, A0 = 70e3, 2.0, 400.0, 1.380649e-23, 10e-9, 6.4e-20, 0.165e-9  # of tapping
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:600]), flush=True)
 
 
 def near(name, got, wanted, absolute):
@@ -204,5 +201,4 @@ def test_stages():
 with tempfile.TemporaryDirectory() as directory:
     for part in (test_examples, test_stages, test_z, test_pll, test_dart, test_hop, test_runs, test_bus, test_mistakes):
         part()
-print("%d passed, %d failed" % (results.count(True), results.count(False)))
-sys.exit(results.count(False) > 0)
+conclude()

@@ -12,13 +12,15 @@ import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import conclude, verdict  # noqa: E402
+
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 program = os.path.abspath(os.path.join(sys.argv[1], "contactplant"))
 bus = sys.argv[2] if len(sys.argv) > 2 else "udp"
 here = sys.argv[3:5]
 rate, substeps = here or ("125", "512")  # slow frames: a busy machine is late by milliseconds
 host = "127.73.%d.%d:" % (os.getpid() >> 8 & 255, os.getpid() & 255)
-results = []
 
 HEAD = """[plant]
 scene = hertz_rig
@@ -85,11 +87,6 @@ like = says little
 link = drop=0.5
 """ % (LATE, LATE)
 REASONS = ["a part of it", "heartbeat", "frequencies now and then", "above half", "too seldom", "makes a sensor lie"]
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:2000]), flush=True)
 
 
 def path(name):
@@ -192,5 +189,4 @@ with tempfile.TemporaryDirectory() as directory:
     if plant:
         plant.send_signal(signal.SIGINT)
         plant.wait()
-print("%d passed, %d failed" % (results.count(True), results.count(False)))
-sys.exit(results.count(False) > 0)
+conclude()

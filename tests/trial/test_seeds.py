@@ -13,6 +13,9 @@ import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import conclude, verdict  # noqa: E402
+
 build, sanitized_build, seeds, stop_s = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 EXAMPLES = ("keep", "damp", "track", "avoid", "detune")
@@ -21,12 +24,6 @@ LINKS = {  # a case that is ok on a good link, and the bad link that its control
     "keep": ("quiet", BAD), "damp": ("fast enough", BAD), "track": ("finds it", "drop=0.01,in.delay=0.05:5"),
     "avoid": ("sweep", BAD), "detune": ("disturbed", BAD),
 }
-results = []
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:800]), flush=True)
 
 
 def path(name):
@@ -197,5 +194,4 @@ with tempfile.TemporaryDirectory() as directory:
     compile_all("clang", sanitized_build, "clang", "-fsanitize=address,undefined")
     for part in (test_memory, test_compilers, test_stop, test_seeds):
         part()
-print("%d passed, %d failed" % (results.count(True), results.count(False)))
-sys.exit(results.count(False) > 0)
+conclude()

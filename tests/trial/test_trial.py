@@ -17,18 +17,15 @@ import tempfile
 import time
 import xml.etree.ElementTree
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from verdicts import conclude, verdict  # noqa: E402
+
 build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
 seeds = int(sys.argv[2]) if len(sys.argv) > 2 else 10
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 program = os.path.join(build, "contactplant")
 controller = os.path.join(root, "tests/trial/controller.py")
-results = []
 MASS, STIFFNESS, PRELOAD, DAMPING = 6.5, 3.4e9, 64.0, 188.0  # of hertz_rig
-
-
-def verdict(name, good, why=""):
-    results.append(bool(good))
-    print(("ok    " if good else "FAIL  ") + name + ("" if good or not why else ": " + str(why)[:600]), flush=True)
 
 
 def near(name, got, wanted, relative):
@@ -622,5 +619,4 @@ def test_trouble():
 with tempfile.TemporaryDirectory() as directory:
     for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_counters, test_counts, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
-print("%d passed, %d failed" % (results.count(True), results.count(False)))
-sys.exit(results.count(False) > 0)
+conclude()
