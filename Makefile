@@ -284,7 +284,7 @@ test-can: all ## plants on a real kernel's SocketCAN, with can-utils and python-
 # The hal by itself and plants, under the sanitizers, on an emulated PC with a real driver.
 SANITIZED := test_socketcan flood contactplant
 test-can-vm: $(BUILD)/contactplant ## the hal and plants under sanitizers on an emulated PC: Linux's driver, two SJA1000 (qemu-system-x86_64, a Debian kernel)
-	@$(sanitized) $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
+	+@$(sanitized) $(SANITIZED:%=build/asan/%) >build/asan.log || { echo "FAIL  build/asan: see above and build/asan.log"; exit 1; }
 	@CAN_VM_TIMEOUT=900 tests/can/can_pc.sh -- sh -c 'build/asan/test_socketcan; status=$$?; \
 	    tests/can/test_can_sja1000.sh build/asan/contactplant build/asan/flood $(BUILD)/contactplant && exit $$status' || \
 	    { echo "FAIL  the emulated PC: see above"; exit 1; }

@@ -25,7 +25,7 @@ modules="drivers/virtio/virtio_ring drivers/virtio/virtio drivers/virtio/virtio_
     drivers/virtio/virtio_pci_modern_dev drivers/virtio/virtio_pci fs/netfs/netfs fs/fscache/fscache net/9p/9pnet
     net/9p/9pnet_virtio fs/9p/9p net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan
     drivers/net/can/sja1000/sja1000 drivers/net/can/sja1000/kvaser_pci net/sched/sch_plug"
-kernel=${here%/*}/build/linux
+kernel=${here%/tests/can}/build/linux
 
 download() { # into the current directory: the package that linux-image-amd64 stands for
     package=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/^ *Depends: //p' | head -n 1)

@@ -12,7 +12,7 @@ sanitized-targets:
 	+@$(sanitized) $(TARGETS)
 
 fuzz-corpus:
-	@$(sanitized) $(FUZZ:%=build/asan/corpus_%)
+	+@$(sanitized) $(FUZZ:%=build/asan/corpus_%)
 	@for t in $(FUZZ); do \
 	    if inputs=$$(build/asan/corpus_$$t tests/fuzz/corpus/$$t.hex 2>build/asan/fuzz.log); then \
 	        echo "ok    fuzz corpus $$t: $$inputs inputs, no property broken"; \
