@@ -43,17 +43,7 @@ UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(
 LIB_CLIENT := host_sim/library/library_bus.c host_sim/library/library_client.c host_sim/live/client.c host_sim/live/explain.c
 LIB_HOST := $(filter-out $(LIB_CLIENT),$(wildcard host_sim/library/*.c)) host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c \
             $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
-# Rooms: the files of a folder of host_sim or of the unit tests are compiled together, as one translation unit, room.o. That is half
-# of the work: a compiler's start and the C library's headers take longer than most files. What the library has of a folder is
-# lib.o beside it. With ROOMS= each file is compiled alone, as make check does.
-ROOMS = yes
-TOGETHER := $(if $(ROOMS),$(HOST_PARTS) $(filter-out $(wildcard tests/unit/*.c),$(filter tests/unit/% tests/physics/%,$(UNIT_SRC))))
-LIB_ROOM_SRC := $(filter $(LIB_HOST),$(TOGETHER))
-ROOM_SRC := $(filter-out $(LIB_HOST) $(LIB_CLIENT) $(BATCH_SRC),$(TOGETHER))
-units = $(patsubst %,$(BUILD)/%$(1).o,$(sort $(dir $(2))))
-obj = $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(ROOM_SRC) $(LIB_ROOM_SRC),$(1))) \
-      $(call units,room,$(filter $(ROOM_SRC),$(1))) $(call units,lib,$(filter $(LIB_ROOM_SRC),$(1)))
-ROOM_OBJ := $(call obj,$(ROOM_SRC) $(LIB_ROOM_SRC))
+obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 # What the program and the tests link; libcontactplant is made in host_sim/library/library.mk.
 LIB  := $(BUILD)/libcore.a
@@ -99,15 +89,6 @@ $(CORE): $(BUILD)/%.o: %.c $(BUILD)/flags
 	@$(info $()  $(CC) $<)$(CC) $(CFLAGS) -fstack-usage -c $< -o $@
 $(BUILD)/%.o: %.c $(BUILD)/flags
 	@$(info $()  $(CC) $<)$(CC) $(CFLAGS) $(POSIX) -c $< -o $@
-compile_together = printf '\043include "%s"\n' $(1) | $(CC) $(CFLAGS) $(POSIX) -MF $(@:.o=.d) -MT $@ -x c -c - -o $@
-# A file that comes or goes, whatever its time, is a reason to compile rooms anew; the list of dependencies may still name one that went.
-$(BUILD)/rooms: FORCE
-	@mkdir -p $(@D)
-	@echo '$(TOGETHER)' | cmp -s - $@ || echo '$(TOGETHER)' >$@
-$(ROOM_OBJ): $(BUILD)/flags $(BUILD)/rooms
-	@$(info $()  $(CC) $(@:$(BUILD)/%.o=%))$(call compile_together,$(filter $(ROOM_SRC) $(LIB_ROOM_SRC),$^))
-$(foreach file,$(ROOM_SRC) $(LIB_ROOM_SRC),$(eval $(call obj,$(file)): $(file)))
-
 $(LIB): $(CORE) $(call obj,$(HAL_SRC))
 $(HOST_LIB): $(call obj,$(HOST_PARTS))
 $(LIB) $(HOST_LIB):
@@ -115,7 +96,7 @@ $(LIB) $(HOST_LIB):
 	@ar rcs $@ $^
 link = @$(CC) $(CFLAGS) $(COVER) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 # The page of the scope is part of the program, as it is.
-$(BUILD)/host_sim/scope/page.o: $(wildcard host_sim/scope/page/*)
+$(BUILD)/host_sim/report/page.o: $(wildcard host_sim/report/page/*)
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
 UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) linker/soft_sqrt.c)
@@ -190,12 +171,9 @@ COUNTS := host_sim/choose/choose_counts.h
 costs: $(BUILD)/costs ## the instruction counts of contactplant choose, from tests/data
 	@$(BUILD)/costs >$(BUILD)/counts.h && cp $(BUILD)/counts.h $(COUNTS)
 
-# Each file of the program, compiled without its room: what it needs it includes, and its symbols are known.
-alone-objects: $(call obj,$(HOST_SRC))
-check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English
-	@$(MAKE) -s BUILD=$(BUILD)/alone ROOMS= OPT=-O0 alone-objects
-	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; \
-	tests/house/check_circles.sh nm $(CORE) $(call obj,$(HAL_SRC)) $(patsubst %.c,$(BUILD)/alone/%.o,$(filter-out %_avx2.c,$(HOST_SRC))) || status=1; \
+check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English
+	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; $(PYTHON) tests/house/check_rooms.py || status=1; \
+	tests/house/check_circles.sh nm $(CORE) $(call obj,$(HAL_SRC)) $(call obj,$(filter-out %_avx2.c,$(HOST_SRC))) || status=1; \
 	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; \
 	if $(BUILD)/costs | cmp -s - $(COUNTS); then echo "ok    $(COUNTS) is what tests/data gives"; \
 	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
@@ -265,7 +243,7 @@ COVERED_ELSEWHERE := sweep_grids sweep_reference sweep_reference_fast balance_qu
     $(addprefix sweep_,unsettled linear beats steep small_jump approach still unlocated harmonics escape resume chance \
     chance_of_long_steps jump_chance shards)
 coverage: ## lines and branches that the unit tests run, of the core and the wire path (gcov); 100 % of lines, and a cause for each branch not taken, or FAIL
-	@$(MAKE) -s ROOMS= COVER="-O1 --coverage -Dalways_inline=noinline -Wno-attributes -Wno-psabi" BUILD=build/coverage build/coverage/unit
+	@$(MAKE) -s COVER="-O1 --coverage -Dalways_inline=noinline -Wno-attributes -Wno-psabi" BUILD=build/coverage build/coverage/unit
 	@find build/coverage -name '*.gcda' -delete
 	@build/coverage/unit --jobs $(shell nproc) $(addprefix --except ,$(COVERED_ELSEWHERE)) >build/coverage/unit.log || tail -1 build/coverage/unit.log
 	@tests/house/coverage.sh build/coverage
@@ -344,8 +322,8 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 	@tests/house/check_built.sh $(BUILD)
 
 # Of this build and board: builds in folders of their own lie in the same one.
--include $(wildcard $(ROOM_OBJ:.o=.d) $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
+-include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test trial-seeds costs alone-objects check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
+.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
 # Kept, though only a pattern names them. Not .SECONDARY: with it an object that is missing was not made again.
 .PRECIOUS: $(BUILD)/%.o $(FW)/%.o $(FW)/%.elf

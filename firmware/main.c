@@ -10,7 +10,7 @@
  * and the console say what it was. A reset command acknowledges it; until then every start reports it
  * again. */
 #include "firmware/app/app.h"
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "models/text.h"
 #include "hal/board/board.h"
 #include "hal/board/console.h"

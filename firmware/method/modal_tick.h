@@ -5,7 +5,7 @@
 #define FIRMWARE_MODAL_TICK_H
 
 #include "firmware/method/method.h"
-#include "firmware/plant/noise.h"
+#include "models/math/deviate.h"
 #include "models/check.h"
 #include "models/tip_law.h"
 

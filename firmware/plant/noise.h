@@ -21,9 +21,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "firmware/method/method.h"
-
-/* The largest value of noise of standard deviation 1. */
-#define NOISE_PEAK 6.66
+#include "models/math/deviate.h"
 
 enum { NOISE_HOLD_MAX = 65535 /* ticks */ };
 
@@ -58,21 +56,6 @@ struct noise_span {
     double ramp_end;      /* position in the drive's ramp */
     double ticks_per_time;
 };
-
-/* Word k of SplitMix64 started at `sequence`. */
-static inline uint64_t noise_word(uint64_t sequence, uint64_t k)
-{
-    uint64_t z = sequence + (k + 1) * 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-/* Standard normal deviate of the upper 35 bits of a word, at the middle of its interval: relative error of
- * the inverse 1e-15, |value| <= NOISE_PEAK. The distribution function is that of a normal variable
- * to 1.5e-11. 85 % of all words take 17 multiplications and a division, the others also a logarithm and a
- * square root. */
-double noise_deviate(uint64_t word);
 
 /* Starts without noise on input `i_input`, whose number makes sequences of equal seeds differ. straight:
  * lines between the values, for a length; else held. */

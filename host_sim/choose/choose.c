@@ -4,7 +4,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
-#include "host_sim/report/choose_html.h"
+#include "host_sim/choose/choose_html.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_load.h"

@@ -7,8 +7,6 @@
 #include "firmware/method/method.h"
 #include "models/scenes/scenes.h"
 
-/* ---- choose_machine.c ---- */
-
 enum {
     CHOOSE_METHODS = 6, /* methods that a model may be run by */
     CHOOSE_MACHINES = 5 /* the first is this host */

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "firmware/method/taylor/taylor_piece.h"
 #include "host_sim/choose/choose.h"
 #include "host_sim/cli/clock.h"

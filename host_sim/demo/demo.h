@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include "host_sim/live/bus.h"
 #include "host_sim/live/client.h"
-#include "host_sim/trial/child.h"
+#include "host_sim/trial/bench/child.h"
 
 enum {
     DEMO_REASON = 512,

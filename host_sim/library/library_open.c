@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "models/models.h"
 
 STATIC_ASSERT(sizeof(struct contactplant) <= CONTACTPLANT_SIZE, plant_fits_its_promised_size);

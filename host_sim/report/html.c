@@ -1,7 +1,7 @@
 /* html.c - see html.h. */
 #include "host_sim/report/html.h"
-#include "host_sim/library/contactplant.h"
-#include "host_sim/scope/page.h"
+#include "host_sim/version.h"
+#include "host_sim/report/page.h"
 
 #include <errno.h>
 #include <math.h>
@@ -145,7 +145,7 @@ const char *html_begin(struct html *h, const char *path, const char *title, int 
           "</main>\n<script type=\"application/json\" id=\"data\">\n{\"kind\":\"report\"",
           h->f);
     put_member(h, "title", title);
-    put_member(h, "version", contactplant_version());
+    put_member(h, "version", VERSION_TEXT);
     put_command(h, argc, argv);
     fputs(",\"sections\":[\n", h->f);
     return NULL;

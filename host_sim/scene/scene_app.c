@@ -1,7 +1,7 @@
 /* scene_app.c - see scene_app.h. */
 #include "host_sim/scene/scene_app.h"
 #include "firmware/afm/afm_plant.h"
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "models/math/elementary.h"

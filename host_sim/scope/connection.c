@@ -1,7 +1,7 @@
 /* connection.c - see connection.h. */
 #include "host_sim/scope/connection.h"
 #include "host_sim/cli/clock.h"
-#include "host_sim/scope/page.h"
+#include "host_sim/report/page.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

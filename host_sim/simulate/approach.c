@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"

@@ -2,7 +2,7 @@
 #ifndef HOST_SIM_REPORT_H
 #define HOST_SIM_REPORT_H
 
-#include "host_sim/trial/bench.h"
+#include "host_sim/trial/bench/bench.h"
 
 #include <stdio.h>
 

@@ -2,13 +2,13 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/options.h"
-#include "host_sim/device/device.h"
+#include "host_sim/trial/bench/device.h"
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
-#include "host_sim/afm/bench_afm.h"
+#include "host_sim/trial/bench/bench_afm.h"
 #include "host_sim/trial/report.h"
-#include "host_sim/report/trial_html.h"
+#include "host_sim/trial/trial_html.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -10,7 +10,7 @@
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_keys.h"
-#include "host_sim/afm/trial_afm.h"
+#include "host_sim/trial/trial_afm.h"
 
 enum { KEYS = 14 };
 

@@ -8,7 +8,7 @@
 #include <unistd.h>
 #include "host_sim/cli/unit.h"
 #include "host_sim/replay/compare.h"
-#include "host_sim/trial/controller.h"
+#include "host_sim/trial/bench/controller.h"
 
 /* Every case expects 0 of these, unless it names the metric. */
 static const enum metric_kind implicit[BENCH_IMPLICIT] = {METRIC_FAULTS, METRIC_REFUSED, METRIC_TIMEOUTS,

@@ -3,7 +3,7 @@
 #define HOST_SIM_VERDICT_H
 
 #include "host_sim/scene/scene_app.h"
-#include "host_sim/trial/bench.h"
+#include "host_sim/trial/bench/bench.h"
 
 enum { VERDICT_MEASUREMENTS = TRIAL_EXPECTS + BENCH_IMPLICIT };
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/scene/scene_file.h"
 
 static const double fine_angle = 0.005, coarse_tolerance = 1e-4;

@@ -6,14 +6,14 @@ EVA_ALONE := -no-autoload-plugins -load-module eva
 EVA_LANGUAGE := -machdep gcc_x86_64 -c11
 EVA_FLAGS := -warn-special-float none -eva-no-show-progress -eva
 EVA_RIG := $(filter-out firmware/method/exact/% firmware/method/taylor/% firmware/method/float32/% firmware/method/auto.c firmware/method/method.c \
-           firmware/app/selftest.c firmware/plant/plant_scene.c models/scenes/%,$(CORE_SRC))
+           firmware/app/selftest.c firmware/app/plant_scene.c models/scenes/%,$(CORE_SRC))
 eva_src_wire    := firmware/bus/wire.c firmware/bus/wire_table.c models/math/elementary.c
 eva_src_mailbox := firmware/bus/mailbox.c $(eva_src_wire)
-eva_src_drive   := firmware/plant/drive.c firmware/plant/noise.c
+eva_src_drive   := firmware/plant/drive.c firmware/plant/noise.c models/math/deviate.c
 eva_src_arm     := firmware/app/command_drives.c firmware/app/app_apply.c firmware/bus/mailbox.c firmware/observe/capture.c \
                    $(filter models/%,$(filter-out models/scenes/%,$(CORE_SRC))) firmware/plant/plant.c firmware/bus/wire.c firmware/bus/wire_table.c
 eva_src_plant   := $(filter models/%,$(filter-out models/scenes/% models/math/elementary.c,$(CORE_SRC))) \
-                   $(filter-out firmware/plant/plant.c firmware/plant/plant_scene.c,$(wildcard firmware/plant/plant*.c)) \
+                   $(filter-out firmware/plant/plant.c,$(wildcard firmware/plant/plant*.c)) \
                    $(addprefix firmware/plant/,drive.c noise.c ledger.c segment.c)
 eva_src_change  := $(eva_src_plant)
 eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/method/rk4*.c firmware/method/float32/*.c) firmware/method/switch.c firmware/plant/segment.c

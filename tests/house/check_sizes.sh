@@ -21,7 +21,7 @@ objects() { # the objects of the core whose names match, or with -v do not match
 }
 methods='firmware/method/(taylor/|exact/|float32/|auto|modal|rk4_unlocated)[a-z_0-9]*\.o'
 selftest='firmware/app/selftest\.o'
-scenes='(models/scenes/|firmware/plant/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
+scenes='(models/scenes/|firmware/app/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
 station='firmware/afm/' # an image that names no microscope leaves it out
 stages='firmware/stage/[a-z_]*\.o' # and one without actuators and sensors these
 models='models/(rolling|afm|shaft|reduced/|math/symmetric)[a-z_0-9]*\.o'

@@ -32,7 +32,7 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
     "firmware/observe/capture.c": ["capture", "app_capture"],
     "firmware/plant/noise.c": ["noise"],
     "firmware/plant/plant_report.c": ["plant", "ledger", "selftest", "app_"],
-    "firmware/plant/plant_scene.c": ["scenes", "plant", "rig"],
+    "firmware/app/plant_scene.c": ["scenes", "plant", "rig"],
     "firmware/app/selftest.c": ["selftest"],
     "firmware/bus/wire_table.c": ["wire", "app_"],
     "firmware/method/method.c": ["auto", "scenes", "models"],

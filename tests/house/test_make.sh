@@ -39,17 +39,6 @@ built 1 "back"
 built 1 "warnings are errors" WERROR=-Werror
 built 0 "as before: what was built with -Werror does"
 
-room() { # how many times the room is compiled: 0 or 1; what it is, its files
-    got=$(make BUILD="$out" UNIT_SRC="$3" "$out/tests/unit/stage/room.o" 2>&1 | grep -c ' tests/unit/stage/room$')
-    [ "$got" = "$1" ]
-    verdict $? "a room ($2): compiled $got times, expected $1"
-}
-files=$(echo tests/unit/stage/*.c)
-room 1 "the first time" "$files"
-room 0 "again" "$files"
-room 1 "one file has gone" "${files#* }"
-room 1 "an old one has come" "$files"
-
 make -s BUILD="$out" "$out/runner_cases" >/dev/null 2>&1
 rm "$out/tests/unit/check.o"
 make -s BUILD="$out" "$out/runner_cases" >/dev/null 2>&1 && [ -e "$out/tests/unit/check.o" ]

@@ -354,7 +354,7 @@ def real(browser):
 
 
 with Planted(10000, speed=2) as url, Chromium() as browser:
-    size = sum(len(open(os.path.join(os.path.dirname(__file__), "../../host_sim/scope/page", n), "rb").read())
+    size = sum(len(open(os.path.join(os.path.dirname(__file__), "../../host_sim/report/page", n), "rb").read())
                for n in ("scope.html", "scope.css", "scope.js", "draw.js"))
     check("the page has 60 kB at most", size <= 60000, size)
     tab = browser.open(url)

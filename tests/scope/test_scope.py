@@ -308,7 +308,7 @@ def test_requests(http):
     parts = re.findall(r'(?:src|href)="([a-z.]+)"', page.decode())
     verdict("the page has style and script: " + " ".join(parts), {"scope.css", "scope.js"} <= set(parts))
     for name, target in [("scope.html", "/")] + [(part, "/" + part) for part in parts]:
-        with open(os.path.join(root, "host_sim/scope/page", name), "rb") as f:
+        with open(os.path.join(root, "host_sim/report/page", name), "rb") as f:
             wanted = f.read()
         size += len(wanted)
         got = ask(http, request(target + "?x=1")).split(b"\r\n\r\n", 1)[1]

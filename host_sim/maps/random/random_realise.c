@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/scene/scene_check.h"
 
 /* Counts an up-crossing of each edge in [from, to). */

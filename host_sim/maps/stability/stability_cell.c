@@ -2,7 +2,7 @@
 #include "host_sim/maps/stability/stability.h"
 
 #include <math.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"
 

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method/modal.h"
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/scene/scene_load.h"
 #include "tests/fixture/afm/lever.h"
 #include "tests/fixture/imaginary.h"

@@ -4,7 +4,7 @@
  * brings the condition about, and climbs where it can. */
 #include <math.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/choose/choose.h"
 #include "host_sim/scene/scene_file.h"
 #include "models/reduced/hertz_rig_reduced.h"

@@ -1,7 +1,7 @@
 /* test_basin_plant.c - a motion of a basin map equals, to the last bit, that of a plain plant run from its
  * start one tick at a time. Compared are outcome, periods, the state where it ends, and all that is
  * measured from there. */
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/maps/basin/basin_settle.h"
 #include "host_sim/batch/batch_taylor.h"
 #include "models/afm_tip.h"

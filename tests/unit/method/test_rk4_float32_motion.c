@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/afm_tip.h"
 #include "models/math/elementary.h"

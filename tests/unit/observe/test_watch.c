@@ -5,7 +5,7 @@
  * motion is the full model's. */
 #include <math.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"

@@ -4,7 +4,7 @@
  * of frequency trip by closed form. */
 #include <math.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/models.h"

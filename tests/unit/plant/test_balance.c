@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
 #include "models/rolling_contact.h"

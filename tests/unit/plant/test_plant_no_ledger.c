@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 #include "host_sim/scene/scene_check.h"
 #include "tests/unit/test.h"
 

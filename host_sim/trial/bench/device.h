@@ -6,7 +6,7 @@
 #ifndef HOST_SIM_DEVICE_H
 #define HOST_SIM_DEVICE_H
 
-#include "host_sim/trial/bench.h"
+#include "host_sim/trial/bench/bench.h"
 
 /* As bench_run. */
 void device_run(const struct bench_setting *s, struct bench_result *r);

@@ -1,5 +1,5 @@
 /* controller.c - see controller.h. */
-#include "host_sim/trial/controller.h"
+#include "host_sim/trial/bench/controller.h"
 
 #include <stdio.h>
 #include <string.h>

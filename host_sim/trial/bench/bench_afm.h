@@ -6,7 +6,7 @@
 #ifndef HOST_SIM_AFM_BENCH_AFM_H
 #define HOST_SIM_AFM_BENCH_AFM_H
 
-#include "host_sim/trial/bench.h"
+#include "host_sim/trial/bench/bench.h"
 
 /* As bench_approve. */
 bool bench_afm_approve(const struct trial *t, const struct trial_case *c, char *why);

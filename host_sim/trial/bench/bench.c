@@ -1,5 +1,5 @@
 /* bench.c - see bench.h. */
-#include "host_sim/trial/bench.h"
+#include "host_sim/trial/bench/bench.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,8 +9,8 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/live/lockstep.h"
-#include "host_sim/trial/bench_plant.h"
-#include "host_sim/trial/controller.h"
+#include "host_sim/trial/bench/bench_plant.h"
+#include "host_sim/trial/bench/controller.h"
 
 enum {
     LOOK_FRAMES = 64, /* bus frames from one look at the controller's output to the next */

@@ -3,7 +3,7 @@
 #ifndef HOST_SIM_BENCH_PLANT_H
 #define HOST_SIM_BENCH_PLANT_H
 
-#include "host_sim/afm/trial_afm.h"
+#include "host_sim/trial/trial_afm.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/trial/verdict.h"
 

@@ -4,8 +4,8 @@
 #define HOST_SIM_CONTROLLER_H
 
 #include "host_sim/scene/scene_app.h"
-#include "host_sim/trial/bench.h"
-#include "host_sim/trial/child.h"
+#include "host_sim/trial/bench/bench.h"
+#include "host_sim/trial/bench/child.h"
 
 enum { CONTROLLER_ADDRESS = 64, CONTROLLER_REASON = 512 };
 

@@ -1,5 +1,5 @@
 /* plant_scene.c - see plant_scene.h. */
-#include "firmware/plant/plant_scene.h"
+#include "firmware/app/plant_scene.h"
 
 #include "models/math/elementary.h"
 

@@ -1,5 +1,5 @@
 /* choose_html.c - see choose_html.h: sentences of the certificate, all candidates, and errors over costs. */
-#include "host_sim/report/choose_html.h"
+#include "host_sim/choose/choose_html.h"
 #include "host_sim/report/html.h"
 #include "host_sim/report/html_scene.h"
 

@@ -1,14 +1,14 @@
 /* page.c - see page.h. The assembler takes the files in as they are: no step of the build turns them into C.
  *
  * Paths are those of a build in the top folder; the Makefile knows that this file depends on them. */
-#include "host_sim/scope/page.h"
+#include "host_sim/report/page.h"
 
 #include <string.h>
 
 #define EMBED(name, file)                                                                                    \
     __asm__(".pushsection .rodata\n"                                                                         \
             "page_" name "_begin:\n"                                                                         \
-            ".incbin \"host_sim/scope/page/" file "\"\n"                                                     \
+            ".incbin \"host_sim/report/page/" file "\"\n"                                                    \
             "page_" name "_end:\n"                                                                           \
             ".byte 0\n"                                                                                      \
             ".globl page_" name "_begin, page_" name "_end\n"                                                \

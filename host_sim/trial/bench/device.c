@@ -1,5 +1,5 @@
 /* device.c - see device.h. */
-#include "host_sim/device/device.h"
+#include "host_sim/trial/bench/device.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,10 +7,10 @@
 #include <unistd.h>
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
-#include "host_sim/device/device_wire.h"
+#include "host_sim/trial/bench/device_wire.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/live/explain.h"
-#include "host_sim/trial/controller.h"
+#include "host_sim/trial/bench/controller.h"
 
 enum {
     FIRES = 2,          /* that wait in the plant at most, which has room for four */

@@ -1,7 +1,7 @@
 /* trial_html.c - see trial_html.h. */
-#include "host_sim/report/trial_html.h"
+#include "host_sim/trial/trial_html.h"
 #include "host_sim/replay/log_report.h"
-#include "host_sim/trial/bench_plant.h"
+#include "host_sim/trial/bench/bench_plant.h"
 
 #include <math.h>
 #include <stdio.h>

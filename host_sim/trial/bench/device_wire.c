@@ -1,5 +1,5 @@
 /* device_wire.c - see device_wire.h. */
-#include "host_sim/device/device_wire.h"
+#include "host_sim/trial/bench/device_wire.h"
 
 #include <math.h>
 #include <stdio.h>

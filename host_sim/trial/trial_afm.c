@@ -1,5 +1,5 @@
 /* trial_afm.c - see trial_afm.h. */
-#include "host_sim/afm/trial_afm.h"
+#include "host_sim/trial/trial_afm.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "host_sim/live/client.h"
 #include "host_sim/replay/decode_rows.h"
-#include "host_sim/trial/bench_plant.h"
+#include "host_sim/trial/bench/bench_plant.h"
 
 /* All zero before device_wire_begin. */
 struct device_wire {

@@ -1,5 +1,5 @@
 /* bench_plant.c - see bench_plant.h. */
-#include "host_sim/trial/bench_plant.h"
+#include "host_sim/trial/bench/bench_plant.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -10,7 +10,7 @@
 #include "host_sim/scene/scene_print.h"
 #include "host_sim/trial/metric.h"
 #include "firmware/afm/afm_plant.h"
-#include "host_sim/afm/trial_afm.h"
+#include "host_sim/trial/trial_afm.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
 

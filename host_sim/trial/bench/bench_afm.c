@@ -1,5 +1,5 @@
 /* bench_afm.c - see bench_afm.h. */
-#include "host_sim/afm/bench_afm.h"
+#include "host_sim/trial/bench/bench_afm.h"
 
 #include <errno.h>
 #include <math.h>
@@ -9,8 +9,8 @@
 #include "firmware/plant/hash.h"
 #include "host_sim/afm/afm_bench.h"
 #include "host_sim/cli/clock.h"
-#include "host_sim/trial/controller.h"
-#include "host_sim/afm/trial_afm.h"
+#include "host_sim/trial/bench/controller.h"
+#include "host_sim/trial/trial_afm.h"
 #include "host_sim/trial/verdict.h"
 #include "models/math/elementary.h"
 

@@ -8,7 +8,7 @@
 #include "host_sim/live/lockstep.h"
 #include "host_sim/live/run_outcome.h"
 #include "host_sim/plants/plants.h"
-#include "host_sim/report/run_report.h"
+#include "host_sim/run/run_report.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"

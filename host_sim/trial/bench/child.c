@@ -1,5 +1,5 @@
 /* child.c - see child.h. */
-#include "host_sim/trial/child.h"
+#include "host_sim/trial/bench/child.h"
 
 #include <errno.h>
 #include <fcntl.h>
