@@ -3,7 +3,7 @@ CC    = gcc
 OPT   = -O2
 BUILD = build
 # Warnings are errors where the project is judged, not where it is used.
-WERROR ?= $(if $(filter check test,$(MAKECMDGOALS)),-Werror)
+WERROR ?= $(if $(filter check test test-all,$(MAKECMDGOALS)),-Werror)
 WARN  = -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble-promotion -Wvla \
         -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef
 # Contraction off is part of the physics (the same bits everywhere); -fno-math-errno makes sqrt one instruction.
@@ -164,8 +164,11 @@ run: all ## ten seconds of the plant on a bus with a controller; picture in buil
 unit: $(BUILD)/unit ## the unit tests in a minute (but sweep_grids and sweep_reference_fast); T=lockin runs those whose name contains lockin
 	@$(BUILD)/unit --jobs $(shell nproc) $(or $(T),--brief --except sweep_grids --except sweep_reference_fast)
 
-test: ## every test; installs what is missing on Debian 12 when run as root
-	@tests/run.sh
+test: ## what a push needs (6 minutes); installs what is missing on Debian 12 when run as root
+	@tests/run.sh push
+
+test-all: ## every test (an hour), and the last line into tests/data/test_all.txt
+	@tests/run.sh all
 
 COUNTS := host_sim/choose/choose_counts.h
 costs: $(BUILD)/costs ## the instruction counts of contactplant choose, from tests/data
@@ -324,6 +327,6 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
+.PHONY: all help run unit test test-all trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
 # Kept, though only a pattern names them. Not .SECONDARY: with it an object that is missing was not made again.
 .PRECIOUS: $(BUILD)/%.o $(FW)/%.o $(FW)/%.elf

@@ -12,7 +12,7 @@ SCENE  =
 WAIT   =
 # Of 1000 ticks, of each trajectory that board_hash.elf runs; at most the 100 of tests/data/hash.txt. Seven have each kind of command and of
 # drive (tests/bits/hash_run.c).
-BLOCKS   = $(or $($(BOARD)_BLOCKS),7)
+BLOCKS  ?= $(or $($(BOARD)_BLOCKS),7)
 
 # Arm MPS2+ with the Cortex-M7 image AN500: hardware double, LAN9118.
 mps2-an500_PACKAGES = gcc-arm-none-eabi qemu-system-arm

@@ -1,5 +1,7 @@
 #!/bin/bash
-# run.sh - every test. Installs what is missing (Debian 12, as root). Last line: `N passed, N failed`.
+# run.sh [push|all] - what a push needs (make test), or every test (make test-all). Installs what is missing (Debian 12, as root).
+# Last line: `N passed, N failed`. What a push needs does not depend on how busy the machine is: whatever keeps time on sockets is
+# in `all`. The last line of `all` is kept in tests/data/test_all.txt, with commit and date.
 #
 # Each stage prints its own `ok` and `FAIL` lines with numbers; they are counted here. A stage that cannot run fails
 # with the reason. Four run side by side, each into a file; the lines are printed in the stages' order. When nothing was
@@ -9,6 +11,15 @@ cd "$(dirname "$0")/.." || exit 2
 [ -n "$hangup_set" ] || hangup_set=1 exec env --default-signal=HUP tests/run.sh "$@"
 unset MAKEFLAGS MFLAGS MAKELEVEL # what it builds is no part of the make that called it
 export WERROR=-Werror
+wanted=${1:-push}
+case $wanted in
+    push) usual="3 to 6 minutes" seconds=build/test.seconds ;;
+    all) usual="30 to 60 minutes" seconds=build/test-all.seconds ;;
+    *) echo "usage: tests/run.sh [push|all]" && exit 2 ;;
+esac
+all() { [ "$wanted" = all ]; }
+! all || export BLOCKS=30 # of 1000 ticks, of each trajectory on a board
+kept=tests/data/test_all.txt
 log=build/test.log
 mkdir -p build
 : >$log
@@ -23,12 +34,15 @@ spent() { # seconds in words
 now() {
     spent $(($(date +%s) - begun))
 }
-last=$(cat build/test.seconds 2>/dev/null)
+last=$(cat $seconds 2>/dev/null)
+what="what a push needs (make test-all: every test)"
+all && what="every test"
 if [ -n "$last" ]; then
-    echo "every test: $(spent "$last") the last time here; the lines stand in build/test.log, too"
+    echo "$what: $(spent "$last") the last time here; the lines stand in $log, too"
 else
-    echo "every test: 15 to 18 minutes on two cores; the lines stand in build/test.log, too"
+    echo "$what: $usual on two cores; the lines stand in $log, too"
 fi
+echo "the last make test-all: $(cat $kept)"
 
 # The stages that have begun and are not over; before the first one only packages are asked for.
 running() {
@@ -59,38 +73,40 @@ need gcc gcc
 need clang clang
 need clang-format clang-format
 need /usr/bin/python3 python3
-need linux.uml user-mode-linux
-need ip iproute2
-need candump can-utils
 need /usr/lib/python3/dist-packages/can python3-can
 need /usr/lib/python3/dist-packages/pytest python3-pytest
-need valgrind valgrind
-need cppcheck cppcheck
-need frama-c frama-c-base
 need arm-none-eabi-gcc gcc-arm-none-eabi
 need qemu-system-arm qemu-system-arm
-need qemu-system-x86_64 qemu-system-x86
-need cpio cpio
-need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
-need qemu-system-riscv64 qemu-system-misc
-need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
 need g++ g++
 need pkg-config pkg-config
 need groff groff-base
 need man man-db
 need /usr/share/i18n/locales/de_DE locales
-need dpkg-shlibdeps dpkg-dev
-need lintian lintian
-need xmllint libxml2-utils
-need unzip unzip
-need /usr/include/cvode/cvode.h libsundials-dev
-need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
-need /usr/include/boost/numeric/odeint.hpp libboost-dev
-need gnuplot gnuplot-nox
-need chromium chromium
-need verilator verilator
-need gwyddion gwyddion
-ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
+if all; then
+    need linux.uml user-mode-linux
+    need ip iproute2
+    need candump can-utils
+    need valgrind valgrind
+    need cppcheck cppcheck
+    need frama-c frama-c-base
+    need qemu-system-x86_64 qemu-system-x86
+    need cpio cpio
+    need riscv64-unknown-elf-gcc gcc-riscv64-unknown-elf
+    need qemu-system-riscv64 qemu-system-misc
+    need /usr/lib/python3/dist-packages/canmatrix python3-canmatrix
+    need dpkg-shlibdeps dpkg-dev
+    need lintian lintian
+    need xmllint libxml2-utils
+    need unzip unzip
+    need /usr/include/cvode/cvode.h libsundials-dev
+    need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
+    need /usr/include/boost/numeric/odeint.hpp libboost-dev
+    need gnuplot gnuplot-nox
+    need chromium chromium
+    need verilator verilator
+    need gwyddion gwyddion
+    ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
+fi
 install=
 if [ -n "$missing" ]; then
     echo "to be installed:$missing"
@@ -111,7 +127,7 @@ install_missing() {
     fi
 }
 
-# A stage: in which lane it runs, its name, a command. First gcc builds the program, while what is missing is installed. Then come
+# A stage: in which lane it runs, its name, a command; `more` ones are no part of a push. First gcc builds the program, while what is missing is installed. Then come
 # all builds, both cores on one of them. Then four lanes: what keeps time on sockets, one stage after the other; nicer than that,
 # what mostly waits for processes and browsers; and nicest, two lanes that compute. These two take the next stage that nobody has,
 # so the long ones stand first.
@@ -128,6 +144,10 @@ stage() { # first|build|speak|waits|compute, name, command
     name+=("$2")
     shift 2
     command+=("$(printf '%q ' "$@")")
+}
+
+more() {
+    ! all || stage "$@"
 }
 
 # The stages of these numbers that nobody has begun, into files of their own.
@@ -181,64 +201,80 @@ whole() { # name, a unit test program and its options as one check: its failures
     fi
 }
 
+judge_choose() { # scenes, seed
+    quiet_make build/choose_scenes
+    build/choose_scenes "$1" "$2" motion --random
+}
+
+judge_runner() {
+    quiet_make build/runner_cases
+    tests/house/test_runner.sh build/runner_cases
+}
+
 [ -z "$install" ] || stage first "installation" install_missing
 stage first "build with gcc: the program and its unit tests" quiet_make all build/unit
-stage build "build with gcc: everything" quiet_make build-all
-stage build "build with clang: what counts instructions and bits" quiet_make CC=clang BUILD=build/clang build/clang/hash_print build/clang/instructions
-stage build "build with clang, address and undefined sanitizers" quiet_make sanitized-targets \
+more build "build with gcc: everything" quiet_make build-all
+more build "build with clang, address and undefined sanitizers" quiet_make sanitized-targets \
     "TARGETS=build/asan/unit build/asan/contactplant build/asan/libcontactplant.a build/asan/flood build/asan/test_socketcan build/asan/hash_print"
 stage compute "house" make -s check
-stage speak "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
+stage waits "command line, processes, bad input" tests/cli/test_cli.sh build/contactplant
 stage waits "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage waits "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage waits "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
 stage waits "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
 stage waits "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
-stage speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
-stage waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
-stage waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
+more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
+more waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
+more waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
 stage waits "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
-stage waits "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 2 2
-stage speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
-stage speak "frames in time under a flood, in short" make -s short SHORTS=bench-flood
-stage waits "words in lockstep and many plants, in short" make -s short SHORTS="bench-lockstep bench-plants"
-stage speak "frames in time with the scope, in short" make -s short SHORTS=bench-scope
-stage speak "a flood on loopback UDP" build/flood check udp
-stage speak "SocketCAN on a real kernel" make -s test-can
-stage speak "board riscv-virt in QEMU" tests/boards/boards.sh riscv-virt
+more waits "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 4 2
+more speak "tests of controllers in real time" /usr/bin/python3 tests/trial/test_realtime.py build
+more speak "what only has to run: benchmarks, charts, papers, maps, fuzz and soak, in short" make -s short
+more speak "a flood on loopback UDP" build/flood check udp
+more speak "SocketCAN on a real kernel" make -s test-can
+more speak "board riscv-virt in QEMU" tests/boards/boards.sh riscv-virt
 # By clang, too: that clang's other levels compute the same is what the bits say.
-# Without long tests that reach nothing there that the others do not.
-stage compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit $(sed '/^#/d; s/^/--except /' tests/data/not_sanitized.txt)
-stage compute "proofs by Eva, all but the short ones by their checksums" make -s -j1 -k eva-quick
+more compute "unit tests under the sanitizers" whole "sanitizers" build/asan/unit
 stage compute "unit tests" build/unit --jobs 1
-stage compute "tarball and Debian packages, in a root with compilers alone" tests/library/test_package.sh build
-stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
-stage compute "MISRA rules" make -s misra
-stage compute "bench, charts, papers, maps, fuzz and soak, in short" make -s short SHORTS="bench charts papers maps fuzz soak"
-stage compute "two SJA1000 under Linux's driver, with sanitizers" make -s test-can-vm
-stage compute "FMUs of every scene, their sources, an importer" tests/fmi/test_fmi.sh build
-stage compute "certificates of 213 scenes" build/choose_scenes 210 2 motion
-stage compute "tolerances of 273 scenes by auto" build/tolerance_scenes 273 1
-stage compute "certificates of 15 random levers, judged by another integrator" build/choose_levers 15 1
-stage compute "board mps2-an386 in QEMU" tests/boards/boards.sh mps2-an386
-stage compute "board mps2-an500 in QEMU" tests/boards/boards.sh mps2-an500
+stage compute "the code is that of the proofs by Eva" make -s -k eva-checksums
+more compute "proofs by Eva: the short ones" make -s eva-drive eva-elementary
+more compute "tarball and Debian packages, in a root with compilers alone" tests/library/test_package.sh build
+if all; then
+    stage compute "the same bits from every compiler and level" tests/bits/test_bits.sh
+else
+    stage compute "the same bits from gcc and clang" tests/bits/test_bits.sh --made
+fi
+more compute "MISRA rules" make -s misra
+more compute "jumps of every preset by three grids" make -s sweep-grids
+more compute "two SJA1000 under Linux's driver, with sanitizers" make -s test-can-vm
+more compute "FMUs of every scene, their sources, an importer" tests/fmi/test_fmi.sh build
+if all; then
+    stage compute "certificates of 363 scenes" build/choose_scenes 360 2 motion
+    stage compute "certificates of 100 scenes of this day" build/choose_scenes 100 "$(date +%Y%m%d)" motion --random
+else
+    stage compute "certificates of 20 scenes" judge_choose 20 2
+fi
+more compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
+more compute "certificates of 30 random levers, judged by another integrator" build/choose_levers 30 1
+more compute "board mps2-an386 in QEMU" tests/boards/boards.sh mps2-an386
+more compute "board mps2-an500 in QEMU" tests/boards/boards.sh mps2-an500
 stage compute "the library: installed, a user's own programs, an older client" tests/library/test_library.sh build
 stage compute "board xlnx-zcu102-r5 in QEMU" tests/boards/boards.sh xlnx-zcu102-r5
 stage compute "the Makefile: flags, warnings, help" tests/house/test_make.sh
-stage compute "the test runner, with tests that fail" tests/house/test_runner.sh build/runner_cases
-stage compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
-stage compute "a PLL in Verilog on the microscope" tests/verilog/test_verilog.sh build
-stage compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
-stage compute "a new model in a file pair and a row" tests/new_model/new_model.sh
-stage compute "the hardest ticks, far from every bound" build/worst
-stage compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py build/dbc_vectors docs/reference/contactplant.dbc \
+stage compute "the test runner, with tests that fail" judge_runner
+more compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
+more compute "a PLL in Verilog on the microscope" tests/verilog/test_verilog.sh build
+more compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
+more compute "a new model in a file pair and a row" tests/new_model/new_model.sh
+more compute "the hardest ticks, far from every bound" build/worst
+more compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py build/dbc_vectors docs/reference/contactplant.dbc \
     docs/reference/protocol.md docs/reference/message_tables.md docs/reference/numbers.md docs/reference/settings.md
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
-stage compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
-stage compute "costs that choose states, against whole runs" tests/choose/test_choose_cost.sh build/contactplant build/choose_one
-stage compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
+more compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
+more compute "costs that choose states, against whole runs" tests/choose/test_choose_cost.sh build/contactplant build/choose_one
+more compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 
 TIMEFORMAT='      %R s, of processor time %U s and %S s'
 lanes=
@@ -274,9 +310,13 @@ begin work_nicely 10 "${compute[@]}"
 print $(printf '%s\n' "${speak[@]}" "${waits[@]}" "${compute[@]}" | sort -n)
 
 kill -- -$heart
-echo $(($(date +%s) - begun)) >build/test.seconds
+echo $(($(date +%s) - begun)) >$seconds
 echo "      all stages: $(now)"
 passed=$(grep -c '^ok  ' $log)
 failed=$(grep -c '^FAIL' $log)
+if all; then
+    commit=$(git describe --always --dirty 2>/dev/null || echo "no git repository")
+    echo "$passed passed, $failed failed; $commit, $(date -u +%F), $(now)" >$kept
+fi
 echo "$passed passed, $failed failed"
 [ "$failed" = 0 ]

@@ -1,6 +1,7 @@
 /* choose_scenes.c - contactplant choose against the judge of tests/choose/choose_judge.h: all presets,
- * then random scenes until there are N; what it saves, over these alone. choose_scenes N SEED force|motion
- * [-v], by which draw of tests/choose/choose_draw.h.
+ * then random scenes until there are N; what it saves, over these alone. With --random there are N random
+ * scenes and no presets. choose_scenes N SEED force|motion [--random] [-v], by which draw of
+ * tests/choose/choose_draw.h.
  *
  * A false certificate: choose certified a model that the judge finds outside the tolerance. A wrong
  * refusal: choose refused a model for its error, or the last coarser step of the chosen one, and the judge
@@ -236,18 +237,9 @@ static int conclude(void)
     return failed > 0;
 }
 
-int main(int argc, char **argv)
+static void look_at_presets(int wanted, bool verbose)
 {
-    char name[40];
     struct scene s;
-    if (argc < 4 || (strcmp(argv[3], "force") && strcmp(argv[3], "motion"))) {
-        fprintf(stderr, "usage: choose_scenes N SEED force|motion [-v]\n");
-        return 2;
-    }
-    int wanted = atoi(argv[1]);
-    bool verbose = argc > 4;
-    enum choose_draw draw = strcmp(argv[3], "force") ? DRAW_BY_MOTION : DRAW_BY_FORCE;
-    choose_draw_seed(strtoull(argv[2], NULL, 10));
     for (int i = 0; i < SCENES && i < wanted; i++) {
         s = scenes_table[i].scene;
         s.over *= s.model->modal_form ? lever_share : 1.0;
@@ -260,6 +252,32 @@ int main(int argc, char **argv)
         if (!strncmp(scenes_table[i].name, "shaft-fig9", 10))
             look("the same at tolerance 0.1, twice as long", &s, false, verbose);
     }
+}
+
+static bool has(const char *option, int argc, char **argv)
+{
+    for (int i = 4; i < argc; i++)
+        if (!strcmp(argv[i], option))
+            return true;
+    return false;
+}
+
+int main(int argc, char **argv)
+{
+    char name[40];
+    struct scene s;
+    if (argc < 4 || (strcmp(argv[3], "force") && strcmp(argv[3], "motion"))) {
+        fprintf(stderr, "usage: choose_scenes N SEED force|motion [--random] [-v]\n");
+        return 2;
+    }
+    int wanted = atoi(argv[1]);
+    bool verbose = has("-v", argc, argv);
+    enum choose_draw draw = strcmp(argv[3], "force") ? DRAW_BY_MOTION : DRAW_BY_FORCE;
+    choose_draw_seed(strtoull(argv[2], NULL, 10));
+    if (has("--random", argc, argv))
+        wanted += SCENES;
+    else
+        look_at_presets(wanted, verbose);
     for (int i = SCENES; i < wanted; i++) {
         snprintf(name, sizeof name, "random-%d", i - SCENES);
         choose_draw(draw, &s);

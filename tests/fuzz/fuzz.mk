@@ -18,12 +18,12 @@ fuzz-corpus:
 	        echo "ok    fuzz corpus $$t: $$inputs inputs, no property broken"; \
 	    else tail -30 build/asan/fuzz.log; echo "FAIL  fuzz corpus $$t"; fi; done
 
-# The short form searches for two targets, from what the corpus has: only the targets themselves are instrumented there.
+# The short form searches from what the corpus has: only the targets themselves are instrumented there.
 FUZZ_ROOM := $(if $(SHORT),build/asan,build/fuzz)
 fuzz-targets:
 	+@$(fuzz_make) BUILD=$(FUZZ_ROOM) "EXTRA=$(FUZZ_FLAGS) $(if $(SHORT),,-fsanitize=fuzzer-no-link)" $(FUZZ:%=$(FUZZ_ROOM)/fuzz_%)
 fuzz: fuzz-targets ## searches with libFuzzer: SECONDS=600 for each target (clang)
-	@tests/fuzz/search.sh $(FUZZ_ROOM) $(SECONDS) $(if $(SHORT),keep frame http,merge $(FUZZ))
+	@tests/fuzz/search.sh $(FUZZ_ROOM) $(SECONDS) $(if $(SHORT),keep,merge) $(FUZZ)
 ifneq (,$(findstring address,$(EXTRA)))
 # Rooms that do not compute are not optimised: they are compiled in two thirds of the time, and tests run as long as ever.
 $(call obj,$(filter-out $(AT_O2),$(HOST_SRC) $(TEST_SRC))): override OPT = -O0
