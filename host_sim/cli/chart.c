@@ -5,34 +5,17 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/out/xml.h"
 
 enum { CHART_WIDTH = 1000, LEFT = 74, RIGHT = 976, LABEL_ROW = 24, GAP = 12, AXIS_ROW = 42, TICKS_MAX = 50 };
 
 static const char *const colour_of[] = {"#0072b2", "#d55e00", "#009e73", "#e69f00",
                                         "#cc79a7", "#56b4e9", "#7f8790", "none"};
 
-static void put_text(FILE *f, const char *s)
-{
-    for (; *s; s++) {
-        if (*s == '<')
-            fputs("&lt;", f);
-        else if (*s == '>')
-            fputs("&gt;", f);
-        else if (*s == '&')
-            fputs("&amp;", f);
-        else if (*s == '"')
-            fputs("&quot;", f);
-        else
-            fputc(*s, f);
-    }
-}
-
 /* attributes: class, anchor, style; the class decides size and colour (see style below). */
 static void text_at(struct chart *c, double x, double y, const char *attributes, const char *s)
 {
-    fprintf(c->body, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, attributes);
-    put_text(c->body, s);
-    fputs("</text>\n", c->body);
+    xml_put(c->body, "<text x='%p' y='%p' %r>%s</text>\n", x, y, attributes, s);
 }
 
 /* Printed width of a string at 12 px, px: a mean of sans-serif fonts; UTF-8 continuation bytes do not
@@ -106,9 +89,7 @@ void chart_begin(struct chart *c, const char *title, const char *subtitle)
     c->body = open_memstream(&c->text, &c->size);
     if (!c->body)
         return;
-    fputs("<title>", c->body);
-    put_text(c->body, title);
-    fputs("</title>\n", c->body);
+    xml_put(c->body, "<title>%s</title>\n", title);
     text_at(c, LEFT, 30, "class=\"title\"", title);
     text_at(c, LEFT, 49, "class=\"small\"", subtitle);
     c->next_y = 60;
@@ -125,12 +106,12 @@ static void grid(struct chart *c)
     char label[40];
     struct chart_ticks t = chart_ticks_of(c->x_min, c->x_max, 12);
     for (int i = 0; i < t.n && i < TICKS_MAX; i++)
-        fprintf(c->body, "<path class=\"grid\" d=\"M%.1f %.1fv%.1f\"/>\n", to_x(c, (t.first + i) * t.step),
-                c->top, c->height);
+        xml_put(c->body, "<path class='grid' d='M%p %pv%p'/>\n", to_x(c, (t.first + i) * t.step), c->top,
+                c->height);
     t = chart_ticks_of(c->y_min, c->y_max, c->height < 60.0 ? 3 : (int)(c->height / 20.0));
     for (int i = 0; i < t.n && i < TICKS_MAX; i++) {
         double y = (t.first + i) * t.step;
-        fprintf(c->body, "<path class=\"grid\" d=\"M%d %.1fH%d\"/>\n", LEFT, to_y(c, y), RIGHT);
+        xml_put(c->body, "<path class='grid' d='M%i %pH%i'/>\n", LEFT, to_y(c, y), RIGHT);
         snprintf(label, sizeof label, "%.*f", t.decimals, y + 0.0);
         text_at(c, LEFT - 7, to_y(c, y) + 4, "class=\"tick\" text-anchor=\"end\"", label);
     }
@@ -148,12 +129,11 @@ void chart_panel(struct chart *c, const char *label, double height, double y_min
     c->n_panels++;
     text_at(c, LEFT, c->top - 8, "class=\"label\"", label);
     c->legend_x = LEFT + 1.1 * text_width(label) + 28;
-    fprintf(c->body,
-            "<clipPath id=\"p%d\"><rect x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/></clipPath>\n",
+    xml_put(c->body, "<clipPath id='p%i'><rect x='%i' y='%p' width='%i' height='%p'/></clipPath>\n",
             c->n_panels, LEFT, c->top, RIGHT - LEFT, height);
     grid(c);
-    fprintf(c->body, "<rect class=\"frame\" x=\"%d\" y=\"%.1f\" width=\"%d\" height=\"%.1f\"/>\n", LEFT,
-            c->top, RIGHT - LEFT, height);
+    xml_put(c->body, "<rect class='frame' x='%i' y='%p' width='%i' height='%p'/>\n", LEFT, c->top,
+            RIGHT - LEFT, height);
 }
 
 void chart_x_axis(struct chart *c, const char *label)
@@ -176,8 +156,8 @@ static void legend(struct chart *c, const char *swatch, enum chart_colour colour
 {
     if (!name)
         return;
-    fprintf(c->body, "<path d=\"M%.1f %.1fh18\" stroke=\"%s\" %s/>\n", c->legend_x, c->top - 12,
-            colour_of[colour], swatch);
+    xml_put(c->body, "<path d='M%p %ph18' stroke='%r' %r/>\n", c->legend_x, c->top - 12, colour_of[colour],
+            swatch);
     text_at(c, c->legend_x + 23, c->top - 8, "class=\"small\"", name);
     c->legend_x += 23 + text_width(name) + 18;
 }
@@ -195,9 +175,8 @@ void chart_span(struct chart *c, double x0, double x1, const char *label, enum c
     double left = to_x(c, x0 > c->x_min ? x0 : c->x_min), right = to_x(c, x1 < c->x_max ? x1 : c->x_max);
     if (!(right > left))
         return;
-    fprintf(c->body,
-            "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\" fill-opacity=\".13\"/>\n",
-            left, c->top, right - left, c->height, colour_of[colour]);
+    xml_put(c->body, "<rect x='%p' y='%p' width='%p' height='%p' fill='%r' fill-opacity='.13'/>\n", left,
+            c->top, right - left, c->height, colour_of[colour]);
     if (label)
         text_at(c, (left + right) / 2, c->top + 14, "class=\"small\" text-anchor=\"middle\"", label);
 }
@@ -220,17 +199,17 @@ void chart_line(struct chart *c, const double *x, const double *y, size_t n, enu
 {
     if (!c->body)
         return;
-    fprintf(c->body, "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" d=\"", c->n_panels,
+    xml_put(c->body, "<path class='line' clip-path='url(#p%i)' stroke='%r' d='", c->n_panels,
             colour_of[colour]);
     bool pen_down = false;
     for (size_t i = 0; i < n; i++) {
         bool point = is_point(x, y, y, i);
         if (point) /* h0 makes a lone point visible under a round cap */
-            fprintf(c->body, "%s%.1f %.1f%s", pen_down ? "L" : "M", to_x(c, x[i]), to_y(c, y[i]),
+            xml_put(c->body, "%r%p %p%r", pen_down ? "L" : "M", to_x(c, x[i]), to_y(c, y[i]),
                     pen_down ? "" : "h0");
         pen_down = point;
     }
-    fputs("\"/>\n", c->body);
+    xml_put(c->body, "'/>\n");
     legend(c, "stroke-width=\"2\"", colour, name);
 }
 
@@ -239,13 +218,12 @@ void chart_points(struct chart *c, const double *x, const double *y, size_t n, e
 {
     if (!c->body)
         return;
-    fprintf(c->body,
-            "<path class=\"line\" clip-path=\"url(#p%d)\" stroke=\"%s\" style=\"stroke-width:%.1f\" d=\"",
+    xml_put(c->body, "<path class='line' clip-path='url(#p%i)' stroke='%r' style='stroke-width:%p' d='",
             c->n_panels, colour_of[colour], width);
     for (size_t i = 0; i < n; i++)
         if (is_point(x, y, y, i)) /* h0 makes a lone point visible under a round cap */
-            fprintf(c->body, "M%.1f %.1fh0", to_x(c, x[i]), to_y(c, y[i]));
-    fputs("\"/>\n", c->body);
+            xml_put(c->body, "M%p %ph0", to_x(c, x[i]), to_y(c, y[i]));
+    xml_put(c->body, "'/>\n");
     legend(c, "stroke-width=\"9\"", colour, name);
 }
 
@@ -254,19 +232,19 @@ void chart_band(struct chart *c, const double *x, const double *low, const doubl
 {
     if (!c->body)
         return;
-    fprintf(c->body, "<path class=\"band\" clip-path=\"url(#p%d)\" fill=\"%s\" stroke=\"%s\" d=\"",
-            c->n_panels, colour_of[colour], colour_of[colour]);
+    xml_put(c->body, "<path class='band' clip-path='url(#p%i)' fill='%r' stroke='%r' d='", c->n_panels,
+            colour_of[colour], colour_of[colour]);
     for (size_t i = 0; i < n; i++) {
         size_t end = run_end(x, low, high, n, i);
         for (size_t k = i; k < end; k++)
-            fprintf(c->body, "%s%.1f %.1f", k == i ? "M" : "L", to_x(c, x[k]), to_y(c, high[k]));
+            xml_put(c->body, "%r%p %p", k == i ? "M" : "L", to_x(c, x[k]), to_y(c, high[k]));
         for (size_t k = end; k > i; k--)
-            fprintf(c->body, "L%.1f %.1f", to_x(c, x[k - 1]), to_y(c, low[k - 1]));
+            xml_put(c->body, "L%p %p", to_x(c, x[k - 1]), to_y(c, low[k - 1]));
         if (end > i)
-            fputs("Z", c->body);
+            xml_put(c->body, "Z");
         i = end; /* a gap, or the end */
     }
-    fputs("\"/>\n", c->body);
+    xml_put(c->body, "'/>\n");
     legend(c, "stroke-width=\"9\" stroke-opacity=\".45\"", colour, name);
 }
 
@@ -275,12 +253,12 @@ void chart_cells(struct chart *c, const double *from, const double *to, const do
 {
     if (!c->body)
         return;
-    fprintf(c->body, "<path class=\"cell\" clip-path=\"url(#p%d)\" fill=\"%s\" d=\"", c->n_panels,
+    xml_put(c->body, "<path class='cell' clip-path='url(#p%i)' fill='%r' d='", c->n_panels,
             colour_of[colour]);
     for (size_t i = 0; i < n; i++)
-        fprintf(c->body, "M%.1f %.1fH%.1fV%.1fH%.1fZ", to_x(c, from[i]), to_y(c, y[i] + half_height),
-                to_x(c, to[i]), to_y(c, y[i] - half_height), to_x(c, from[i]));
-    fputs("\"/>\n", c->body);
+        xml_put(c->body, "M%p %pH%pV%pH%pZ", to_x(c, from[i]), to_y(c, y[i] + half_height), to_x(c, to[i]),
+                to_y(c, y[i] - half_height), to_x(c, from[i]));
+    xml_put(c->body, "'/>\n");
     legend(c, "stroke-width=\"9\" stroke-opacity=\".7\"", colour, name);
 }
 
@@ -301,20 +279,20 @@ void chart_image(struct chart *c, double x0, double x1, double y0, double y1, co
 {
     if (!c->body)
         return;
-    fprintf(c->body,
-            "<image x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" preserveAspectRatio=\"none\" "
-            "style=\"image-rendering:pixelated\" href=\"data:image/png;base64,",
+    xml_put(c->body,
+            "<image x='%p' y='%p' width='%p' height='%p' preserveAspectRatio='none' "
+            "style='image-rendering:pixelated' href='data:image/png;base64,",
             to_x(c, x0), to_y(c, y1), to_x(c, x1) - to_x(c, x0), to_y(c, y0) - to_y(c, y1));
     put_base64(c->body, png, n);
-    fputs("\"/>\n", c->body);
+    xml_put(c->body, "'/>\n");
 }
 
 void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour)
 {
     if (!c->body || !(x >= c->x_min && x <= c->x_max))
         return;
-    fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%.1f %.1fv%.1f\"/>\n", colour_of[colour],
-            to_x(c, x), c->top, c->height);
+    xml_put(c->body, "<path class='dash' stroke='%r' d='M%p %pv%p'/>\n", colour_of[colour], to_x(c, x),
+            c->top, c->height);
     if (!label)
         return;
     bool before = to_x(c, x) + 5 + text_width(label) > RIGHT; /* no room on the right */
@@ -327,7 +305,7 @@ void chart_level(struct chart *c, double y, enum chart_colour colour, const char
     if (!c->body)
         return;
     if (y >= c->y_min && y <= c->y_max)
-        fprintf(c->body, "<path class=\"dash\" stroke=\"%s\" d=\"M%d %.1fH%d\"/>\n", colour_of[colour], LEFT,
+        xml_put(c->body, "<path class='dash' stroke='%r' d='M%i %pH%i'/>\n", colour_of[colour], LEFT,
                 to_y(c, y), RIGHT);
     legend(c, "stroke-width=\"1.5\" stroke-dasharray=\"5 3\"", colour, name);
 }
@@ -347,14 +325,14 @@ const char *chart_end(struct chart *c, FILE *out)
     if (!c->body)
         return "no memory for the picture";
     bool bad = fclose(c->body) != 0;
-    fprintf(
-        out,
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" "
-        "width=\"%d\" height=\"%.0f\" viewBox=\"0 0 %d %.0f\">\n<style>%s</style>\n"
-        "<rect width=\"100%%\" height=\"100%%\" fill=\"#ffffff\"/>\n",
-        CHART_WIDTH, c->next_y, CHART_WIDTH, c->next_y, style);
+    int height = (int)rint(c->next_y);
+    xml_put(out,
+            XML_HEAD
+            "<svg xmlns='http://www.w3.org/2000/svg' role='img' width='%i' height='%i' viewBox='0 0 %i "
+            "%i'>\n<style>%r</style>\n<rect width='%r' height='%r' fill='#ffffff'/>\n",
+            CHART_WIDTH, height, CHART_WIDTH, height, style, "100%", "100%");
     fwrite(c->text, 1, c->size, out);
-    fputs("</svg>\n", out);
+    xml_put(out, "</svg>\n");
     free(c->text);
     if (bad)
         return "no memory for the picture";

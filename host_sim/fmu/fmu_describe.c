@@ -2,10 +2,8 @@
 #include "host_sim/fmu/fmu_describe.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-enum { NUMBER = 32 };
+#include "host_sim/out/xml.h"
 
 /* Units by the exponents of their base units. Those that need broken ones have a name only. */
 static const struct {
@@ -16,46 +14,11 @@ static const struct {
                   {"N/m", 1, 0, -2, 0}, {"N s/m", 1, 0, -1, 0}, {"J", 1, 2, -2, 0}};
 enum { UNITS = sizeof unit_table / sizeof unit_table[0] };
 
-/* ---- text ---- */
-
-/* A scene file may have any name: bytes that XML or UTF-8 might not take become question marks. */
-static void put_text(FILE *out, const char *text)
-{
-    for (; *text; text++) {
-        const char *escaped = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '"' ? "&quot;" : NULL;
-        if (escaped)
-            fputs(escaped, out);
-        else
-            fputc(*text >= ' ' && *text <= '~' ? *text : '?', out);
-    }
-}
-
-static void put_attribute(FILE *out, const char *name, const char *text)
-{
-    fprintf(out, " %s=\"", name);
-    put_text(out, text);
-    fputc('"', out);
-}
-
-/* The shortest text that reads back to the last bit. */
-static void put_number(FILE *out, const char *name, double value)
-{
-    char text[NUMBER];
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, value);
-        double back = strtod(text, NULL);
-        if (!(back < value) && !(back > value))
-            break;
-    }
-    put_attribute(out, name, text);
-}
-
 /* ---- units ---- */
 
 static void put_unit(FILE *out, const char *name)
 {
-    fputs("    <Unit", out);
-    put_attribute(out, "name", name);
+    xml_put(out, "    <Unit name='%s'", name);
     for (int i = 0; i < UNITS; i++)
         if (!strcmp(name, unit_table[i].name)) {
             const struct {
@@ -68,7 +31,7 @@ static void put_unit(FILE *out, const char *name)
             fputs("><BaseUnit", out);
             for (int k = 0; k < 4; k++)
                 if (base[k].exponent)
-                    fprintf(out, " %s=\"%d\"", base[k].name, base[k].exponent);
+                    xml_put(out, " %r='%i'", base[k].name, base[k].exponent);
             fputs("/></Unit>\n", out);
             return;
         }
@@ -117,20 +80,18 @@ static double start_of(struct contactplant *p, const struct fmu_variable *v)
 
 static void put_variable(FILE *out, struct contactplant *p, const struct fmu_variable *v)
 {
-    fprintf(out, "    <%s", kind_table[v->kind].type);
-    put_attribute(out, "name", v->name);
-    fprintf(out, " valueReference=\"%u\"", (unsigned)v->reference);
-    put_attribute(out, "description", v->meaning);
-    put_attribute(out, "causality", kind_table[v->kind].causality);
-    put_attribute(out, "variability", kind_table[v->kind].variability);
+    xml_put(out, "    <%r name='%s' valueReference='%u' description='%s'", kind_table[v->kind].type, v->name,
+            (unsigned)v->reference, v->meaning);
+    xml_put(out, " causality='%s' variability='%s'", kind_table[v->kind].causality,
+            kind_table[v->kind].variability);
     if (v->kind != FMU_SWITCHES)
-        put_attribute(out, "unit", v->unit);
+        xml_put(out, " unit='%s'", v->unit);
     if (isfinite(v->min))
-        put_number(out, "min", v->min);
+        xml_put(out, " min='%n'", v->min);
     if (isfinite(v->max))
-        put_number(out, "max", v->max);
+        xml_put(out, " max='%n'", v->max);
     if (kind_table[v->kind].starts)
-        put_number(out, "start", start_of(p, v));
+        xml_put(out, " start='%n'", start_of(p, v));
     fputs("/>\n", out);
 }
 
@@ -144,7 +105,7 @@ static void put_variables(FILE *out, struct contactplant *p)
     for (int unknown = 0; unknown < 2; unknown++)
         for (int i = 0; fmu_variable(p, i, &v); i++)
             if (!strcmp(kind_table[v.kind].causality, "output"))
-                fprintf(out, "    <%s valueReference=\"%u\"/>\n", unknown ? "InitialUnknown" : "Output",
+                xml_put(out, "    <%r valueReference='%u'/>\n", unknown ? "InitialUnknown" : "Output",
                         (unsigned)v.reference);
     fputs("  </ModelStructure>\n", out);
 }
@@ -156,24 +117,20 @@ void fmu_describe(FILE *out, struct contactplant *p, const char *name, const cha
     char token[FMU_TOKEN];
     const struct scene *s = &p->scene.scene;
     fmu_token(scene, token);
-    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\"", out);
-    put_attribute(out, "modelName", name);
-    put_attribute(out, "instantiationToken", token);
-    put_attribute(out, "description", title);
-    put_attribute(out, "version", CONTACTPLANT_VERSION);
-    put_attribute(out, "generationTool", "contactplant " CONTACTPLANT_VERSION);
-    fputs(" variableNamingConvention=\"structured\">\n  <CoSimulation modelIdentifier=\"contactplant\""
-          " canHandleVariableCommunicationStepSize=\"true\"",
-          out);
-    put_number(out, "fixedInternalStepSize", contactplant_tick_time(p));
-    fputs(" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"/>\n", out);
+    xml_put(out, XML_HEAD "<fmiModelDescription fmiVersion='3.0' modelName='%s' instantiationToken='%s'",
+            name, token);
+    xml_put(out, " description='%s' version='%s' generationTool='contactplant %s'", title,
+            CONTACTPLANT_VERSION, CONTACTPLANT_VERSION);
+    xml_put(out,
+            " variableNamingConvention='structured'>\n  <CoSimulation modelIdentifier='contactplant'"
+            " canHandleVariableCommunicationStepSize='true' fixedInternalStepSize='%n'"
+            " canGetAndSetFMUState='true' canSerializeFMUState='true'/>\n",
+            contactplant_tick_time(p));
     put_units(out, p);
-    fputs("  <LogCategories>\n    <Category name=\"error\" description=\"why a call was refused\"/>\n"
-          "  </LogCategories>\n  <DefaultExperiment startTime=\"0\"",
-          out);
-    put_number(out, "stopTime", s->over * s->dilation);
-    put_number(out, "stepSize", s->frame_s);
-    fputs("/>\n", out);
+    xml_put(out,
+            "  <LogCategories>\n    <Category name='error' description='why a call was refused'/>\n"
+            "  </LogCategories>\n  <DefaultExperiment startTime='0' stopTime='%n' stepSize='%n'/>\n",
+            s->over * s->dilation, s->frame_s);
     put_variables(out, p);
     fputs("</fmiModelDescription>\n", out);
 }

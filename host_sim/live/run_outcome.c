@@ -7,6 +7,7 @@
 #include "firmware/app/account.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
+#include "host_sim/out/json.h"
 
 enum { CAUSES_OF_FAILURE = 3, WORD = 32 };
 enum { MISSED, LATE, FAULT };
@@ -60,22 +61,22 @@ static bool write_json(const struct run_outcome *r, const char *path)
 {
     const struct app *a = r->app;
     uint32_t count[DIAG_COUNTERS];
+    struct json j;
     FILE *f = fopen(path, "w");
     if (!f)
         return false;
     account_counts(a, count);
-    fprintf(f, "{\"model\": \"%s\", \"method\": \"%s\", \"state\": \"%s\", \"faults\": %u,\n",
-            a->plant.model->name, a->plant.method->name,
-            names_text(a->config.model, NAMES_STATE, (unsigned)a->state), r->faults);
-    fprintf(f,
-            " \"frames\": %llu, \"frame_s\": %.17g, \"missed\": %llu, \"plant_s\": %.17g, \"tick\": %llu,\n",
-            (unsigned long long)r->frames, a->config.frame_s, (unsigned long long)r->missed,
-            plant_time(&a->plant), (unsigned long long)a->plant.now.tick);
-    fprintf(f, " \"hash\": \"%016llx\", \"residual_J\": %.17g,\n \"counters\": {",
-            (unsigned long long)plant_hash(&a->plant), plant_residual(&a->plant));
+    json_begin_file(&j, f);
+    json_put(&j, "{'model': %s, 'method': %s, 'state': %s, 'faults': %u,\n", a->plant.model->name,
+             a->plant.method->name, names_text(a->config.model, NAMES_STATE, (unsigned)a->state),
+             (uint64_t)r->faults);
+    json_put(&j, " 'frames': %u, 'frame_s': %e, 'missed': %u, 'plant_s': %e, 'tick': %u,\n", r->frames,
+             a->config.frame_s, r->missed, plant_time(&a->plant), a->plant.now.tick);
+    json_put(&j, " 'hash': %h, 'residual_J': %e,\n 'counters': {", plant_hash(&a->plant),
+             plant_residual(&a->plant));
     for (int i = 0; i < DIAG_COUNTERS; i++)
-        fprintf(f, "%s\"%s\": %u", i ? ", " : "", diag_name[i].name, count[i]);
-    fputs("}}\n", f);
+        json_item(&j, "'%r': %u", diag_name[i].name, (uint64_t)count[i]);
+    json_put(&j, "}}\n");
     bool good = !ferror(f);
     return fclose(f) == 0 && good;
 }

@@ -45,6 +45,14 @@ static int open_socket(const char *where)
     return -1;
 }
 
+static void begin_packet(struct monitor_rows *k)
+{
+    k->n_rows = 0;
+    json_begin(&k->text, k->packet, sizeof k->packet);
+    if (k->batch > 1)
+        json_put(&k->text, "[");
+}
+
 int monitor_rows_open(struct monitor_rows *k, const struct options *o, const struct scene_app *s)
 {
     const char *where = options_text(o, "json", 0);
@@ -54,6 +62,7 @@ int monitor_rows_open(struct monitor_rows *k, const struct options *o, const str
     k->json = where != NULL;
     k->socket = -1;
     k->batch = (uint64_t)options_number(o, "batch");
+    begin_packet(k);
     decode_begin(&k->rows, &s->app.scene, s->app.plant.tick_s);
     if (k->wide + k->json + options_given(o, "csv") > 1)
         return options_misuse(o->usage, "--csv, --wide and --json are three forms; give one of them");
@@ -73,36 +82,27 @@ static void send_packet(struct monitor_rows *k)
     if (!k->n_rows)
         return;
     if (k->batch > 1)
-        k->packet[k->n_bytes++] = ']';
+        json_put(&k->text, "]");
     if (k->socket >= 0)
-        (void)!send(k->socket, k->packet, k->n_bytes, MSG_DONTWAIT);
+        (void)!send(k->socket, k->packet, k->text.n, MSG_DONTWAIT);
     else
-        printf("%.*s\n", (int)k->n_bytes, k->packet);
-    k->n_bytes = 0;
-    k->n_rows = 0;
+        printf("%s\n", k->packet);
+    begin_packet(k);
 }
 
-static void add_text(struct monitor_rows *k, const char *format, const char *name, double value)
-{
-    k->n_bytes += (size_t)snprintf(k->packet + k->n_bytes, MONITOR_PACKET - k->n_bytes, format, name, value);
-}
-
-/* JSON has no NaN: what was not said is left out. */
+/* Members are the signals that have been said. */
 static void add_row(struct monitor_rows *k, const struct decode_row *r)
 {
     char name[DECODE_NAME];
-    if (k->batch > 1)
-        k->packet[k->n_bytes++] = k->n_rows ? ',' : '[';
-    add_text(k, "{\"%s\":%.9f", "timestamp", r->t_s);
-    add_text(k, ",\"%s\":%.0f", "in_contact", r->closed);
+    json_item(&k->text, "{'timestamp':%t,'in_contact':%u", r->t_s, (uint64_t)r->closed);
     for (int i = 0; i < decode_signals(k->model); i++) {
         decode_name(k->model, i, name);
         if (isfinite(r->value[i]))
-            add_text(k, ",\"%s\":%.9g", name, r->value[i]);
+            json_item(&k->text, "'%r':%n", name, r->value[i]);
     }
-    k->packet[k->n_bytes++] = '}';
+    json_put(&k->text, "}");
     k->n_rows++;
-    if (k->n_rows == k->batch || k->n_bytes + ROW_ROOM > MONITOR_PACKET)
+    if (k->n_rows == k->batch || k->text.n + ROW_ROOM > MONITOR_PACKET)
         send_packet(k);
 }
 

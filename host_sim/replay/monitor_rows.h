@@ -3,6 +3,7 @@
 #define HOST_SIM_MONITOR_ROWS_H
 
 #include "host_sim/cli/options.h"
+#include "host_sim/out/json.h"
 #include "host_sim/replay/decode_rows.h"
 #include "host_sim/scene/scene_app.h"
 
@@ -19,7 +20,7 @@ struct monitor_rows {
     uint64_t batch; /* rows of a packet */
     struct decode rows;
     char packet[MONITOR_PACKET];
-    size_t n_bytes;
+    struct json text; /* in packet */
     uint64_t n_rows;  /* in the packet */
     uint64_t printed; /* rows, so far */
 };

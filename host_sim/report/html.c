@@ -4,7 +4,6 @@
 #include "host_sim/report/page.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -21,93 +20,44 @@ static void put_file(FILE *f, int which)
     (void)fwrite(p->begin, 1, (size_t)(p->end - p->begin), f);
 }
 
-/* Bytes of the UTF-8 sequence that begins here; 0: it is none. */
-static int sequence(const unsigned char *c)
+static void put_numbers(struct html *h, const char *name, size_t n, const double *value)
 {
-    int n = *c < 0x80                 ? 1
-            : *c >= 0xC2 && *c < 0xE0 ? 2
-            : (*c & 0xF0) == 0xE0     ? 3
-            : *c >= 0xF0 && *c < 0xF5 ? 4
-                                      : 0;
-    for (int i = 1; i < n; i++)
-        if ((c[i] & 0xC0) != 0x80)
-            return 0;
-    return n;
+    json_item(&h->json, "'%r':[", name);
+    for (size_t i = 0; i < n; i++)
+        json_item(&h->json, "%e", value[i]);
+    json_put(&h->json, "]");
 }
 
-/* A JSON string that may stand inside a script element. */
-static void put_string(FILE *f, const char *text)
-{
-    const unsigned char *c = (const unsigned char *)text;
-    fputc('"', f);
-    while (*c) {
-        int n = sequence(c);
-        if (!n)
-            fputc('?', f);
-        else if (n > 1 || (*c >= ' ' && !strchr("\"\\<>&", *c)))
-            fprintf(f, "%.*s", n, (const char *)c);
-        else
-            fprintf(f, "\\u%04x", *c);
-        c += n ? n : 1;
-    }
-    fputc('"', f);
-}
-
-static void put_numbers(FILE *f, const char *name, size_t n, const double *value)
-{
-    fprintf(f, ",\"%s\":[", name);
-    for (size_t i = 0; i < n; i++) {
-        if (i)
-            fputc(',', f);
-        if (isfinite(value[i]))
-            fprintf(f, "%.17g", value[i]);
-        else
-            fputs("null", f);
-    }
-    fputc(']', f);
-}
-
-static void put_format(FILE *f, const char *format, va_list arguments)
+/* An element of a list, or the value of a member whose name was put. */
+static void put_format(struct html *h, const char *format, va_list arguments)
 {
     char text[LINE];
     vsnprintf(text, sizeof text, format, arguments);
-    put_string(f, text);
-}
-
-/* A comma, unless this is the first in its place. */
-static void separate(struct html *h)
-{
-    if (h->follows)
-        fputc(',', h->f);
-    h->follows = true;
+    json_item(&h->json, "%s", text);
 }
 
 /* Ends what is open inside of `place`. */
 static void back_to(struct html *h, enum html_place place)
 {
     if (h->place == HTML_ROW && place != HTML_ROW) {
-        fputs("]}", h->f);
+        json_put(&h->json, "]}");
         h->place = HTML_TABLE;
-        h->follows = true;
     }
     if (place != HTML_SECTIONS || h->place == HTML_SECTIONS)
         return;
-    fputs("]}\n", h->f);
+    json_put(&h->json, "]}\n");
     h->place = HTML_SECTIONS;
-    h->follows = true;
 }
 
 static void begin_section(struct html *h, const char *kind)
 {
     back_to(h, HTML_SECTIONS);
-    separate(h);
-    fprintf(h->f, "{\"kind\":\"%s\"", kind);
+    json_item(&h->json, "{'kind':%s", kind);
 }
 
 static void put_member(struct html *h, const char *name, const char *text)
 {
-    fprintf(h->f, ",\"%s\":", name);
-    put_string(h->f, text);
+    json_item(&h->json, "'%r':%s", name, text);
 }
 
 /* A word of a command line as a shell takes it. */
@@ -142,12 +92,15 @@ const char *html_begin(struct html *h, const char *path, const char *title, int 
     put_file(h->f, PAGE_REPORT_CSS);
     fputs("</style>\n</head>\n<body class=\"report\">\n<main>\n<noscript>The charts need "
           "JavaScript.</noscript>\n"
-          "</main>\n<script type=\"application/json\" id=\"data\">\n{\"kind\":\"report\"",
+          "</main>\n<script type=\"application/json\" id=\"data\">\n",
           h->f);
+    json_begin_file(&h->json, h->f);
+    h->json.in_page = true;
+    json_put(&h->json, "{'kind':'report'");
     put_member(h, "title", title);
     put_member(h, "version", VERSION_TEXT);
     put_command(h, argc, argv);
-    fputs(",\"sections\":[\n", h->f);
+    json_item(&h->json, "'sections':[\n");
     return NULL;
 }
 
@@ -156,9 +109,9 @@ void html_words(struct html *h, const char *format, ...)
     va_list arguments;
     va_start(arguments, format);
     begin_section(h, "words");
-    fputs(",\"text\":", h->f);
-    put_format(h->f, format, arguments);
-    fputs("}\n", h->f);
+    json_item(&h->json, "'text':");
+    put_format(h, format, arguments);
+    json_put(&h->json, "}\n");
     va_end(arguments);
 }
 
@@ -167,7 +120,7 @@ void html_text(struct html *h, const char *title, const char *text)
     begin_section(h, "text");
     put_member(h, "title", title);
     put_member(h, "text", text);
-    fputs("}\n", h->f);
+    json_put(&h->json, "}\n");
 }
 
 void html_table(struct html *h, const char *title, const char *columns)
@@ -175,26 +128,22 @@ void html_table(struct html *h, const char *title, const char *columns)
     begin_section(h, "table");
     put_member(h, "title", title);
     put_member(h, "columns", columns);
-    fputs(",\"rows\":[", h->f);
+    json_item(&h->json, "'rows':[");
     h->place = HTML_TABLE;
-    h->follows = false;
 }
 
 void html_row(struct html *h, bool bad)
 {
     back_to(h, HTML_TABLE);
-    separate(h);
-    fprintf(h->f, "\n{\"bad\":%s,\"cells\":[", bad ? "true" : "false");
+    json_item(&h->json, "\n{'bad':%b,'cells':[", bad);
     h->place = HTML_ROW;
-    h->follows = false;
 }
 
 void html_cell(struct html *h, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    separate(h);
-    put_format(h->f, format, arguments);
+    put_format(h, format, arguments);
     va_end(arguments);
 }
 
@@ -206,9 +155,8 @@ static void begin_chart(struct html *h, const char *title, const char *unit, con
     put_member(h, "unit", unit);
     put_member(h, "x_name", x_name);
     put_member(h, "x_unit", x_unit);
-    fprintf(h->f, "%s,\"layers\":[", log ? ",\"log\":true" : "");
+    json_item(&h->json, "%r'layers':[", log ? "\"log\":true," : "");
     h->place = HTML_CHART;
-    h->follows = false;
 }
 
 void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit)
@@ -224,8 +172,7 @@ void html_chart_log(struct html *h, const char *title, const char *unit, const c
 
 static void begin_layer(struct html *h, const char *kind, const char *name)
 {
-    separate(h);
-    fprintf(h->f, "\n{\"kind\":\"%s\"", kind);
+    json_item(&h->json, "\n{'kind':%s", kind);
     put_member(h, "name", name);
 }
 
@@ -234,49 +181,49 @@ void html_line(struct html *h, enum html_layer kind, const char *name, size_t n,
 {
     static const char *const word[] = {"line", "steps", "points"};
     begin_layer(h, word[kind], name);
-    put_numbers(h->f, "x", n, x);
-    put_numbers(h->f, "y", n, y);
-    fputc('}', h->f);
+    put_numbers(h, "x", n, x);
+    put_numbers(h, "y", n, y);
+    json_put(&h->json, "}");
 }
 
 void html_band(struct html *h, const char *name, size_t n, const double *x, double end, double period,
                const double *low, const double *high)
 {
     begin_layer(h, "band", name);
-    put_numbers(h->f, "period", 1, &period);
-    put_numbers(h->f, "x", n, x);
-    put_numbers(h->f, "end", 1, &end);
-    put_numbers(h->f, "low", n, low);
-    put_numbers(h->f, "high", n, high);
-    fputc('}', h->f);
+    put_numbers(h, "period", 1, &period);
+    put_numbers(h, "x", n, x);
+    put_numbers(h, "end", 1, &end);
+    put_numbers(h, "low", n, low);
+    put_numbers(h, "high", n, high);
+    json_put(&h->json, "}");
 }
 
 void html_open(struct html *h, size_t n, double from, double to, const double *share)
 {
     const double ends[2] = {from, to};
     begin_layer(h, "open", "open");
-    put_numbers(h->f, "ends", 2, ends);
-    put_numbers(h->f, "share", n, share);
-    fputc('}', h->f);
+    put_numbers(h, "ends", 2, ends);
+    put_numbers(h, "share", n, share);
+    json_put(&h->json, "}");
 }
 
 void html_marker(struct html *h, double x, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    separate(h);
-    fputs("\n{\"kind\":\"marker\"", h->f);
-    put_numbers(h->f, "x", 1, &x);
-    fputs(",\"name\":", h->f);
-    put_format(h->f, format, arguments);
-    fputc('}', h->f);
+    json_item(&h->json, "\n{'kind':'marker'");
+    put_numbers(h, "x", 1, &x);
+    json_item(&h->json, "'name':");
+    put_format(h, format, arguments);
+    json_put(&h->json, "}");
     va_end(arguments);
 }
 
 const char *html_end(struct html *h)
 {
     back_to(h, HTML_SECTIONS);
-    fputs("]}\n</script>\n<script>\n", h->f);
+    json_put(&h->json, "]}\n");
+    fputs("</script>\n<script>\n", h->f);
     put_file(h->f, PAGE_DRAW);
     put_file(h->f, PAGE_REPORT);
     fputs("</script>\n</body>\n</html>\n", h->f);

@@ -18,13 +18,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include "host_sim/out/json.h"
 
 enum html_place { HTML_SECTIONS, HTML_TABLE, HTML_ROW, HTML_CHART };
 
 struct html {
     FILE *f;
+    struct json json;
     enum html_place place; /* the part that is open */
-    bool follows;          /* something stands before in it, so that a comma is due */
 };
 
 /* Opens the file. The command line becomes part of it. NULL, or what went wrong. */

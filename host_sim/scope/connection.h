@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include "host_sim/scope/control.h"
 #include "host_sim/scope/http.h"
-#include "host_sim/scope/json.h"
+#include "host_sim/out/json.h"
 
 enum {
     CONNECTION_FIRST = 1 << 18, /* bytes of an answer's head, and of a stream before it reads the ring */

@@ -164,7 +164,7 @@ static void put_table(const struct model *m, struct json *j, const struct table 
 static void put_drives(const struct voice *v, struct json *j, struct voice_told *told)
 {
     const struct model *m = model_of(v);
-    size_t before = j->n;
+    struct json before = *j;
     json_item(j, "'drives':{");
     size_t open = j->n;
     for (int i = 0; i < m->n_inputs; i++)
@@ -175,8 +175,7 @@ static void put_drives(const struct voice *v, struct json *j, struct voice_told 
         json_put(j, "}");
         return;
     }
-    j->n = before;
-    j->at[before] = '\0';
+    json_take_back(j, &before);
 }
 
 void voice_put_values(const struct voice *v, struct json *j, struct voice_told *told)
@@ -188,7 +187,7 @@ void voice_put_values(const struct voice *v, struct json *j, struct voice_told *
         {"info", NAMES_INFO, INFO_ITEMS, l->info, told ? told->info : NULL},
         {"parameters", NAMES_PARAMETER, CLIENT_PARAMETERS, l->parameter, told ? told->parameter : NULL},
     };
-    size_t before = j->n;
+    struct json before = *j;
     json_put(j, "event: values\ndata: {'plant':%u,'t':%t", (uint64_t)v->number, voice_time(v));
     size_t empty = j->n;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
@@ -198,8 +197,7 @@ void voice_put_values(const struct voice *v, struct json *j, struct voice_told *
         json_put(j, "}\n\n");
         return;
     }
-    j->n = before;
-    j->at[before] = '\0';
+    json_take_back(j, &before);
 }
 
 /* ---- heads of lists ---- */

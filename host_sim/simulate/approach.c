@@ -10,6 +10,7 @@
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
+#include "host_sim/out/json.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/scene/scene_range.h"
@@ -200,18 +201,20 @@ static int write_tab(struct approach *a)
 {
     double speed = options_number(&a->o, "speed"), k = a->si[LEVER_K];
     double time = (double)(a->ticks / a->n) * a->plant.tick_s / a->plant.dilation;
+    struct json j;
     FILE *f = create_file(a, "tab");
     if (!f)
         return STATUS_FAILED;
-    fprintf(f,
-            "# contactplant %s\n# BEGIN METADATA\n# {\n#   \"duration\": %.9g,\n#   \"feedback mode\": "
-            "\"contact\",\n#   \"imaging mode\": \"force-distance\",\n#   \"point count\": %zu,\n"
-            "#   \"session id\": \"contactplant\",\n#   \"software\": \"contactplant\",\n"
-            "#   \"software version\": \"%s\",\n#   \"speed approach\": %.9g,\n#   \"speed retract\": %.9g,\n"
-            "#   \"spring constant\": %.9g,\n#   \"z range\": %.9g\n# }\n# END METADATA\n"
-            "# force\theight (measured)\theight (piezo)\tindex\tsegment\ttime\ttip position\n",
-            contactplant_version(), 2.0 * (double)a->n * time, 2 * a->n, contactplant_version(), speed, speed,
-            k, a->top - a->low);
+    json_begin_file(&j, f);
+    fprintf(f, "# contactplant %s\n# BEGIN METADATA\n", contactplant_version());
+    json_put(&j, "# {\n#   'duration': %n,\n#   'feedback mode': 'contact',\n", 2.0 * (double)a->n * time);
+    json_put(&j, "#   'imaging mode': 'force-distance',\n#   'point count': %u,\n", (uint64_t)(2 * a->n));
+    json_put(&j, "#   'session id': 'contactplant',\n#   'software': 'contactplant',\n");
+    json_put(&j, "#   'software version': %s,\n#   'speed approach': %n,\n#   'speed retract': %n,\n",
+             contactplant_version(), speed, speed);
+    json_put(&j, "#   'spring constant': %n,\n#   'z range': %n\n# }\n", k, a->top - a->low);
+    fprintf(f, "# END METADATA\n"
+               "# force\theight (measured)\theight (piezo)\tindex\tsegment\ttime\ttip position\n");
     for (size_t i = 0; i < 2 * a->n; i++) {
         double base = a->row[BASE][i], deflection = a->row[DEFLECTION][i];
         fprintf(f, "%.8g\t%.8g\t%.8g\t%zu\t%s\t%.8g\t%.8g\n", k * deflection, base, base, i,

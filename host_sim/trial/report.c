@@ -2,7 +2,8 @@
 #include "host_sim/trial/report.h"
 
 #include <math.h>
-#include <string.h>
+#include "host_sim/out/json.h"
+#include "host_sim/out/xml.h"
 
 const char *const report_verdict[] = {"ok", "untested", "FAIL", "error"};
 
@@ -50,40 +51,6 @@ void report_print(FILE *out, const struct report_case *r)
 
 /* ---- for programs ---- */
 
-static void put_xml(FILE *f, const char *text)
-{
-    for (; *text; text++) {
-        const char *as = *text == '&'   ? "&amp;"
-                         : *text == '<' ? "&lt;"
-                         : *text == '>' ? "&gt;"
-                         : *text == '"' ? "&quot;"
-                                        : NULL;
-        if (as)
-            fputs(as, f);
-        else
-            fputc(*text >= ' ' && *text <= '~' ? *text : ' ', f);
-    }
-}
-
-static void put_json(FILE *f, const char *text)
-{
-    fputc('"', f);
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\')
-            fputc('\\', f);
-        fputc(*text >= ' ' && *text <= '~' ? *text : ' ', f);
-    }
-    fputc('"', f);
-}
-
-static void put_number(FILE *f, double x)
-{
-    if (isfinite(x))
-        fprintf(f, "%.17g", x);
-    else
-        fputs("null", f);
-}
-
 static bool finish(FILE *f)
 {
     bool good = !ferror(f);
@@ -93,25 +60,17 @@ static bool finish(FILE *f)
 static void junit_case(FILE *f, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
-    fputs("  <testcase classname=\"", f), put_xml(f, r->trial->file);
-    fputs("\" name=\"", f), put_xml(f, r->c->name);
-    fprintf(f, "\" time=\"%.3f\">", r->took_s);
-    if (*w->error) {
-        fprintf(f, "\n    <%s message=\"", w->verdict == VERDICT_ERROR ? "error" : "failure");
-        put_xml(f, w->error);
-        fputs("\"/>", f);
-    }
+    xml_put(f, "  <testcase classname='%s' name='%s' time='%t'>", r->trial->file, r->c->name, r->took_s);
+    if (*w->error)
+        xml_put(f, "\n    <%r message='%s'/>", w->verdict == VERDICT_ERROR ? "error" : "failure", w->error);
     for (int i = 0; i < w->n; i++) {
         const struct outcome *o = &w->outcome[i];
-        if (o->verdict == VERDICT_OK)
-            continue;
-        fprintf(f, "\n    <%s type=\"%s\" message=\"", o->verdict == VERDICT_ERROR ? "error" : "failure",
-                report_verdict[o->verdict]);
-        put_xml(f, r->trial->file), fprintf(f, ":%d: expect ", o->line ? o->line : r->c->line);
-        put_xml(f, o->text), fputs(": ", f), put_xml(f, o->found);
-        fputs("\"/>", f);
+        if (o->verdict != VERDICT_OK)
+            xml_put(f, "\n    <%r type='%s' message='%s:%i: expect %s: %s'/>",
+                    o->verdict == VERDICT_ERROR ? "error" : "failure", report_verdict[o->verdict],
+                    r->trial->file, o->line ? o->line : r->c->line, o->text, o->found);
     }
-    fputs("</testcase>\n", f);
+    xml_put(f, "</testcase>\n");
 }
 
 bool report_junit(const char *path, const struct report_case *r, int n)
@@ -126,63 +85,53 @@ bool report_junit(const char *path, const struct report_case *r, int n)
         failures += r[i].worst->verdict == VERDICT_FAIL || r[i].worst->verdict == VERDICT_UNTESTED;
         took_s += r[i].took_s;
     }
-    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", f);
-    fprintf(f,
-            "<testsuites>\n <testsuite name=\"contactplant\" tests=\"%d\" failures=\"%d\" errors=\"%d\" "
-            "time=\"%.3f\">\n",
+    xml_put(f,
+            XML_HEAD "<testsuites>\n <testsuite name='contactplant' tests='%i' failures='%i' errors='%i' "
+                     "time='%t'>\n",
             n, failures, errors, took_s);
     for (int i = 0; i < n; i++)
         junit_case(f, &r[i]);
-    fputs(" </testsuite>\n</testsuites>\n", f);
+    xml_put(f, " </testsuite>\n</testsuites>\n");
     return finish(f);
 }
 
-static void json_outcome(FILE *f, const struct outcome *o)
+static void json_outcome(struct json *j, const struct outcome *o)
 {
-    fprintf(f, "{\"verdict\": \"%s\", \"line\": %d, \"metric\": ", report_verdict[o->verdict], o->line);
-    put_json(f, o->kind < METRICS ? metric_table[o->kind].name : "golden");
-    fputs(", \"expect\": ", f), put_json(f, o->text);
-    fputs(", \"found\": ", f), put_json(f, o->found);
-    fputs(", \"value\": ", f);
+    double unknown = (double)NAN;
+    json_item(j, "\n    {'verdict': %s, 'line': %i, 'metric': %s, 'expect': %s, 'found': %s, 'value': ",
+              report_verdict[o->verdict], o->line, o->kind < METRICS ? metric_table[o->kind].name : "golden",
+              o->text, o->found);
     if (o->kind == METRIC_HASH)
-        fprintf(f, "\"%016llx\"", (unsigned long long)o->value.hash);
+        json_put(j, "%h", o->value.hash);
     else
-        put_number(f, o->value.known ? o->value.value : (double)NAN);
-    fputs(", \"at_s\": ", f), put_number(f, o->value.known ? o->value.when_s : (double)NAN);
-    fputs("}", f);
+        json_put(j, "%e", o->value.known ? o->value.value : unknown);
+    json_put(j, ", 'at_s': %e}", o->value.known ? o->value.when_s : unknown);
 }
 
-static void json_case(FILE *f, const struct report_case *r)
+static void json_case(struct json *j, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
-    fputs("  {\"file\": ", f), put_json(f, r->trial->file);
-    fputs(", \"case\": ", f), put_json(f, r->c->name);
-    fprintf(f,
-            ", \"line\": %d, \"verdict\": \"%s\", \"runs\": %d, \"bad_runs\": %d, \"seed\": %u, \"varied\": ",
-            r->c->line, report_verdict[w->verdict], r->n_runs, r->n_bad, w->seed);
-    put_number(f, w->varied ? w->varied_value : (double)NAN);
-    fputs(", \"plant_s\": ", f), put_number(f, r->plant_s);
-    fprintf(f, ", \"hash\": \"%016llx\", \"error\": ", (unsigned long long)w->hash);
-    put_json(f, w->error);
-    fputs(", \"log\": ", f), put_json(f, w->log);
-    fputs(", \"expects\": [", f);
-    for (int i = 0; i < w->n; i++) {
-        fputs(i ? ",\n    " : "\n    ", f);
-        json_outcome(f, &w->outcome[i]);
-    }
-    fputs("]}", f);
+    json_item(j, "\n  {'file': %s, 'case': %s, 'line': %i, 'verdict': %s, 'runs': %i, 'bad_runs': %i",
+              r->trial->file, r->c->name, r->c->line, report_verdict[w->verdict], r->n_runs, r->n_bad);
+    json_put(j, ", 'seed': %u, 'varied': %e, 'plant_s': %e, 'hash': %h, 'error': %s, 'log': %s",
+             (uint64_t)w->seed, w->varied ? w->varied_value : (double)NAN, r->plant_s, w->hash, w->error,
+             w->log);
+    json_put(j, ", 'expects': [");
+    for (int i = 0; i < w->n; i++)
+        json_outcome(j, &w->outcome[i]);
+    json_put(j, "]}");
 }
 
 bool report_json(const char *path, const struct report_case *r, int n)
 {
+    struct json j;
     FILE *f = fopen(path, "w");
     if (!f)
         return false;
-    fputs("{\"cases\": [\n", f);
-    for (int i = 0; i < n; i++) {
-        json_case(f, &r[i]);
-        fputs(i + 1 < n ? ",\n" : "\n", f);
-    }
-    fputs("]}\n", f);
+    json_begin_file(&j, f);
+    json_put(&j, "{'cases': [");
+    for (int i = 0; i < n; i++)
+        json_case(&j, &r[i]);
+    json_put(&j, "\n]}\n");
     return finish(f);
 }

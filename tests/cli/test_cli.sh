@@ -1114,7 +1114,7 @@ is "a sound scene gets no warning" "$(grep -vc '^contactplant choose: .* by .* s
 import json, sys
 c = json.load(open(sys.argv[1]))
 assert c["tolerance_met"] and c["deadline_met"] and c["choice"]["error"] <= c["asked"]["tolerance"]
-assert c["rungs"][-1]["model"] == "hertz_rig" and len(c["cost"]) == 5 and c["void_by"]
+assert c["candidates"][-1]["model"] == "hertz_rig" and not c["reduced"] and c["candidates"][0]["reduced"] and len(c["cost"]) == 5 and c["void_by"]
 END
 verdict "its JSON says the same" $?
 "$program" simulate "$dir/fast.ini" --every 0.25 --out "$dir/fast.csv" 2>"$dir/err"

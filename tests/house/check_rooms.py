@@ -6,7 +6,7 @@ import re
 import sys
 
 FLOORS = """
-models hal/hal hal/device host_sim/version host_sim/commands
+models hal/hal hal/device host_sim/version host_sim/commands host_sim/out
 firmware/method hal/link hal/can host_sim/batch
 firmware/plant hal/posix hal/ethernet
 firmware/bus hal/board

@@ -187,10 +187,10 @@ def choose(browser, folder):
     words = run("choose", "shaft", "--tolerance", "0.05", "--json", told, "--report", page).stdout
     data, c = data_of(page), json.load(open(told))
     wanted = {}
-    for rung in c["rungs"]:
-        for m in rung["methods"]:
+    for candidate in c["candidates"]:
+        for m in candidate["methods"]:
             if m["error"] is not None:
-                wanted.setdefault(rung["rung"], []).append((m["instructions_a_frame"], m["error"]))
+                wanted.setdefault(candidate["candidate"], []).append((m["instructions_a_frame"], m["error"]))
     layers = charts(data)["error"]["layers"]
     got = {layer["name"]: list(zip(layer["x"], layer["y"])) for layer in layers if layer["kind"] == "points"}
     check("choose: costs and errors are those of --json", got == wanted and got, {k: len(v) for k, v in got.items()})
@@ -201,7 +201,7 @@ def choose(browser, folder):
     check("choose: the certificate is the one that it prints", text == [words])
     rows = [r["cells"] for s in data["sections"] if s.get("title") == "Candidates" for r in s["rows"]]
     check("choose: each candidate is in the table", [(r[0], r[1]) for r in rows] ==
-          [(g["rung"], m["method"]) for g in c["rungs"] for m in g["methods"] or [{"method": "any"}]], len(rows))
+          [(g["candidate"], m["method"]) for g in c["candidates"] for m in g["methods"] or [{"method": "any"}]], len(rows))
     looks(browser, page, "choose", ["Tolerance and deadline are met", "VOID IF", "tolerance", "contactplant choose shaft"])
 
 

@@ -45,7 +45,7 @@ TEST(html_data_as_by_hand)
 {
     static const char *const part[] = {
         "{\"kind\":\"report\",\"title\":\"\\u003c/"
-        "script\\u003e\\u0001?\xC3\xA4\\u0022\\u005c\\u0026\",\"version\":\"",
+        "script\\u003e\\u0001\xEF\xBF\xBD\xC3\xA4\\u0022\\u005c\\u0026\",\"version\":\"",
         "\"command\":\"contactplant sweep 'a b' \\u0022it's\\u0022\",\"sections\":[\n",
         "{\"kind\":\"words\",\"text\":\"2 words\"}\n"
         ",{\"kind\":\"table\",\"title\":\"t\",\"columns\":\"a,b\",\"rows\":[\n"

@@ -1,5 +1,5 @@
 /* test_json.c - JSON in a buffer: against texts written by hand, and at every size of the buffer. */
-#include "host_sim/scope/json.h"
+#include "host_sim/out/json.h"
 #include "tests/unit/test.h"
 
 #include <math.h>

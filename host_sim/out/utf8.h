@@ -1,0 +1,21 @@
+/* utf8.h - text of unknown origin as UTF-8 (RFC 3629): what is well formed stays, the rest is U+FFFD. */
+#ifndef HOST_SIM_UTF8_H
+#define HOST_SIM_UTF8_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define UTF8_REPLACEMENT "\xEF\xBF\xBD" /* U+FFFD */
+
+struct utf8_character {
+    const char *bytes; /* n of them; not ended by a NUL */
+    size_t n;          /* 1 to 4 */
+    uint32_t code;
+};
+
+/* The character at *at, which is not the end of the text; *at moves behind it. Ill-formed are overlong forms,
+ * surrogates, codes above U+10FFFF and sequences that are cut. As many bytes as could begin a character
+ * become one U+FFFD. */
+struct utf8_character utf8_next(const char **at);
+
+#endif
