@@ -62,9 +62,11 @@ static int take_datagram(struct net *n, const struct ipv4_packet *p)
     }
     n->packets_received++;
     n->i_frame = 0;
-    n->n_frames = cannelloni_parse(p->payload, p->n_payload, n->frame, CANNELLONI_FRAMES_MAX);
+    uint32_t before = n->passed_over;
+    n->n_frames =
+        cannelloni_parse(p->payload, p->n_payload, n->frame, CANNELLONI_FRAMES_MAX, &n->passed_over);
     if (n->n_frames >= 0)
-        return 0;
+        return n->passed_over != before ? HAL_FOREIGN : 0;
     n->n_frames = 0;
     n->malformed++;
     return HAL_FOREIGN;

@@ -3,7 +3,8 @@
  *
  * The rules are those of hal/posix/udp.h. Only datagrams of listed peers, address and port both equal, are
  * taken. Any other is dropped, reported as HAL_FOREIGN and never answered. A malformed packet is refused
- * whole. Everything sent goes to all peers. Peers stand on the same wire: there is no gateway.
+ * whole; frames in a packet that no plant takes are passed over, counted and reported as HAL_FOREIGN.
+ * Everything sent goes to all peers. Peers stand on the same wire: there is no gateway.
  *
  * The plant asks for a peer's Ethernet address by ARP, and takes over each new one that the peer tells.
  * Packets for a peer before that are counted as unresolved. Refused frames are counted by the verdict of
@@ -65,6 +66,7 @@ struct net {
     uint32_t verdict[IPV4_VERDICTS]; /* Ethernet frames, by what they were */
     uint32_t foreign;                /* datagrams of senders that are not listed */
     uint32_t malformed;              /* datagrams of peers that were no cannelloni packets */
+    uint32_t passed_over;            /* frames of peers that are no classic data frames */
     uint32_t unresolved; /* packets that a peer did not get because its address is not known yet */
     uint32_t refused;    /* frames that the controller had no room for: the packet is kept */
 };

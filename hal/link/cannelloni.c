@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-enum { OP_DATA = 0, SEQUENCE = 2, COUNT = 3 };
+enum { OP_DATA = 0, SEQUENCE = 2, COUNT = 3, LENGTH_FD = 0x80 };
 
-static const uint32_t id_extended = 0x80000000u, id_remote = 0x40000000u, id_error = 0x20000000u;
+static const uint32_t id_extended = 0x80000000u, id_remote = 0x40000000u;
 
 static uint32_t get_u32(const uint8_t *b)
 {
@@ -18,39 +18,50 @@ static void put_u32(uint8_t *b, uint32_t v)
         b[i] = (uint8_t)(v >> (24 - 8 * i));
 }
 
-/* Bytes taken by the frame at b, of n that are left; 0 when it is none of ours. */
-static size_t unpack_frame(const uint8_t *b, size_t n, struct frame *f)
+/* Bytes that the frame at b takes of the n that are left, whatever its kind; 0: it does not end within them.
+ */
+static size_t frame_bytes(const uint8_t *b, size_t n)
 {
     if (n < CANNELLONI_FRAME_HEADER)
         return 0;
-    uint32_t word = get_u32(b);
-    bool extended = word & id_extended;
-    uint32_t id = word & ~id_extended;
-    uint8_t length = b[4];
-    if (word & (id_remote | id_error) || id > (extended ? 0x1FFFFFFFu : 0x7FFu))
-        return 0;
-    if (length > FRAME_DATA || n < CANNELLONI_FRAME_HEADER + (size_t)length) /* CAN FD has bit 7 set */
-        return 0;
-    *f = (struct frame){.id = id, .length = length, .flags = extended ? FRAME_EXTENDED : 0};
-    memcpy(f->data, b + CANNELLONI_FRAME_HEADER, length);
-    return CANNELLONI_FRAME_HEADER + (size_t)length;
+    size_t bytes = CANNELLONI_FRAME_HEADER + (b[4] & LENGTH_FD ? 1u : 0u); /* CAN FD: a byte of flags */
+    if (!(get_u32(b) & id_remote)) /* whose length is only asked for */
+        bytes += b[4] & (LENGTH_FD - 1u);
+    return bytes <= n ? bytes : 0;
 }
 
-int cannelloni_parse(const uint8_t *packet, size_t n, struct frame *out, int max)
+/* The frame at b, which is whole; false when it is no classic data frame. */
+static bool unpack_frame(const uint8_t *b, struct frame *f)
+{
+    uint32_t word = get_u32(b), id = word & ~id_extended;
+    bool extended = word & id_extended;
+    if (id > (extended ? 0x1FFFFFFFu : 0x7FFu) || b[4] > FRAME_DATA) /* other kinds set a bit above these */
+        return false;
+    *f = (struct frame){.id = id, .length = b[4], .flags = extended ? FRAME_EXTENDED : 0};
+    memcpy(f->data, b + CANNELLONI_FRAME_HEADER, b[4]);
+    return true;
+}
+
+int cannelloni_parse(const uint8_t *packet, size_t n, struct frame *out, int max, uint32_t *passed_over)
 {
     if (n < CANNELLONI_HEADER || packet[0] != CANNELLONI_VERSION || packet[1] != OP_DATA)
         return -1;
-    int count = packet[COUNT] << 8 | packet[COUNT + 1];
-    if (count > max)
-        return -1;
+    int count = packet[COUNT] << 8 | packet[COUNT + 1], taken = 0;
     size_t at = CANNELLONI_HEADER;
-    for (int i = 0; i < count; i++) {
-        size_t taken = unpack_frame(packet + at, n - at, &out[i]);
-        if (!taken)
+    for (int i = 0; i < count; i++) { /* each takes CANNELLONI_FRAME_HEADER bytes of n or more */
+        size_t bytes = frame_bytes(packet + at, n - at);
+        struct frame f;
+        bool ours = bytes && unpack_frame(packet + at, &f);
+        if (!bytes || (ours && taken == max))
             return -1;
-        at += taken;
+        if (ours)
+            out[taken++] = f;
+        at += bytes;
     }
-    return at == n ? count : -1;
+    if (at != n)
+        return -1;
+    *passed_over += (uint32_t)(count - taken);
+    return taken;
 }
 
 void cannelloni_begin(struct cannelloni *p, uint8_t sequence)

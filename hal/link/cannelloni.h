@@ -3,9 +3,11 @@
  * (hal/ethernet/net.h) share it.
  *
  * A packet, big endian: version (1 byte) 2, op code (1) 0 = data, sequence number (1), frame count (2). For
- * each frame follow identifier (4; bit 31 extended, bit 30 remote, bit 29 error), length (1; bit 7 announces
- * CAN FD) and data. The plant speaks classic data frames only. A packet with anything else, or whose bytes do
- * not end exactly with its last frame, is refused whole: half a batch of commands is worse than none. */
+ * each frame follow identifier (4; bit 31 extended, bit 30 remote, bit 29 error), length (1) and data. Bit 7
+ * of the length announces CAN FD, and a byte of flags behind it. A remote frame has no data. The plant speaks
+ * classic data frames only. A gateway packs what its bus carries, so frames of other kinds are passed over
+ * one by one. A packet whose bytes do not end exactly with its last frame is refused whole: half a batch of
+ * commands is worse than none. */
 #ifndef HAL_CANNELLONI_H
 #define HAL_CANNELLONI_H
 
@@ -44,9 +46,9 @@ bool cannelloni_has_room(const struct cannelloni *p, const struct frame *f);
 /* Adds a frame. The caller has asked cannelloni_has_room: without room this writes past the packet. */
 void cannelloni_add(struct cannelloni *p, const struct frame *f);
 
-/* Takes the frames of a packet of n bytes into out[max]; returns how many, 0 for an empty packet. Returns
- * -1 when the packet is malformed or holds more than max; then `out` may be partly written. It reads n
- * bytes at most and has no state. */
-int cannelloni_parse(const uint8_t *packet, size_t n, struct frame *out, int max);
+/* Takes the classic data frames of a packet of n bytes into out[max]; returns how many. Adds the frames of
+ * other kinds to *passed_over. Returns -1 when the packet is malformed or holds more than max; then `out` may
+ * be partly written, and *passed_over is as it was. It reads n bytes at most and has no state. */
+int cannelloni_parse(const uint8_t *packet, size_t n, struct frame *out, int max, uint32_t *passed_over);
 
 #endif

@@ -125,7 +125,9 @@ static bool take_packet(struct memory *m)
     m->i_frame = m->n_frames = 0;
     if (sound) {
         memcpy(packet, r->slot[taken % MEMORY_SLOTS].bytes, n);
-        m->n_frames = cannelloni_parse(packet, n, m->frame, CANNELLONI_FRAMES_MAX);
+        uint32_t before = m->passed_over;
+        m->n_frames = cannelloni_parse(packet, n, m->frame, CANNELLONI_FRAMES_MAX, &m->passed_over);
+        m->fault |= m->passed_over != before ? HAL_FOREIGN : 0;
     }
     store(r->taken, written - taken <= MEMORY_SLOTS ? taken + 1 : written);
     if (sound && m->n_frames >= 0)

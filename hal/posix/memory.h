@@ -59,6 +59,7 @@ struct memory {
     bool owes;                /* the end of a bus frame that found the ring full */
     uint32_t rest;            /* waits to come that sleep at once */
     uint32_t malformed;       /* packets that were refused; reported as HAL_FOREIGN too */
+    uint32_t passed_over;     /* frames that are no classic data frames; HAL_FOREIGN, too */
     int fault;                /* hal_fault bits for the next recv */
 };
 

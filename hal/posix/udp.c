@@ -98,13 +98,19 @@ static int receive_packet(struct udp *u, struct udp_queue *q)
     u->packets_received++;
     q->refused = false;
     q->i_frame = 0;
-    q->n_frames =
-        m.msg_flags & MSG_TRUNC ? -1 : cannelloni_parse(packet, (size_t)n, q->frame, CANNELLONI_FRAMES_MAX);
+    uint32_t before = u->passed_over;
+    q->n_frames = m.msg_flags & MSG_TRUNC
+                      ? -1
+                      : cannelloni_parse(packet, (size_t)n, q->frame, CANNELLONI_FRAMES_MAX, &u->passed_over);
     if (q->n_frames < 0) {
         q->n_frames = 0;
         u->malformed++;
         u->peer_malformed[peer] = true;
         return fault | HAL_FOREIGN;
+    }
+    if (u->passed_over != before) {
+        u->peer_passed_over[peer] = true;
+        fault |= HAL_FOREIGN;
     }
     q->sender = peer;
     if (n < CANNELLONI_MORE) {

@@ -1,5 +1,7 @@
 /* udp.h - CAN frames in UDP packets of the cannelloni format (hal/link/cannelloni.h) by a POSIX socket. A
- * malformed packet is refused whole and counted.
+ * malformed packet is refused whole and counted. Frames in a packet that are no classic data frames are
+ * passed over and counted; each packet with such is reported as HAL_FOREIGN once, and its other frames are
+ * taken.
  *
  * Who may speak: datagrams of the listed peers, address and port both equal. Any other is dropped,
  * reported as HAL_FOREIGN and never answered; the first few strangers are remembered. Everything sent goes
@@ -98,13 +100,15 @@ struct udp {
     uint32_t packets_received, packets_sent;
     uint32_t foreign;          /* datagrams of senders that are not listed */
     uint32_t malformed;        /* datagrams of peers that were refused; reported as HAL_FOREIGN too */
+    uint32_t passed_over;      /* frames of peers that are no classic data frames */
     uint32_t dropped;          /* datagrams lost in the kernel's receive queue (SO_RXQ_OVFL): HAL_DROPPED */
     uint32_t kernel_full;      /* sends refused with EAGAIN or ENOBUFS: the packet is kept, send returns 0 */
     uint32_t unsent;           /* packets a peer did not get for another reason, e.g. no route: HAL_UNSENT */
     int peer_error[UDP_PEERS]; /* that reason, an errno; 0: none so far */
-    bool peer_malformed[UDP_PEERS]; /* it sent a datagram that was refused */
-    int fault;                      /* hal_fault bits met outside of recv, for the next recv */
-    char reason[160];               /* text returned by udp_open */
+    bool peer_malformed[UDP_PEERS];   /* it sent a datagram that was refused */
+    bool peer_passed_over[UDP_PEERS]; /* it sent a frame that was passed over */
+    int fault;                        /* hal_fault bits met outside of recv, for the next recv */
+    char reason[160];                 /* text returned by udp_open */
 };
 
 /* Opens the sockets. Returns NULL, or the reason and what to do about it; then nothing is open. *u must

@@ -359,7 +359,8 @@ enum { CONTACTPLANT_PACKET = 1400, CONTACTPLANT_PACKET_FRAMES = 408 };
 CONTACTPLANT_API size_t contactplant_pack(uint8_t sequence, const struct contactplant_frame *frame, int n,
                                           uint8_t packet[CONTACTPLANT_PACKET], int *taken);
 
-/* The frames of a packet of `size` bytes; -1 when it is malformed or has more than `n`. */
+/* The classic data frames of a packet of `size` bytes; frames of other kinds in it are passed over. -1 when
+ * it is malformed or has more than `n`. */
 CONTACTPLANT_API int contactplant_unpack(const uint8_t *packet, size_t size, struct contactplant_frame *frame,
                                          int n);
 

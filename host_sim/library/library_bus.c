@@ -96,9 +96,11 @@ size_t contactplant_pack(uint8_t sequence, const struct contactplant_frame *fram
 int contactplant_unpack(const uint8_t *packet, size_t size, struct contactplant_frame *frame, int n)
 {
     struct frame f[CANNELLONI_FRAMES_MAX];
+    uint32_t passed_over = 0;
     if (!packet || (n > 0 && !frame) || size > CANNELLONI_PACKET_MAX)
         return -1;
-    int got = cannelloni_parse(packet, size, f, n < CANNELLONI_FRAMES_MAX ? n : CANNELLONI_FRAMES_MAX);
+    int got = cannelloni_parse(packet, size, f, n < CANNELLONI_FRAMES_MAX ? n : CANNELLONI_FRAMES_MAX,
+                               &passed_over);
     for (int i = 0; i < got; i++)
         library_frame_out(&f[i], &frame[i]);
     return got;

@@ -89,6 +89,7 @@ bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_pe
     b->strangers_told = 0;
     memset(b->peer_told, 0, sizeof b->peer_told);
     memset(b->malformed_told, 0, sizeof b->malformed_told);
+    memset(b->passed_over_told, 0, sizeof b->passed_over_told);
     b->log_told = false;
     if (!strncmp(spec, "udp:", 4))
         return open_udp(b, spec + 4, peer, n_peers, why);
@@ -226,6 +227,17 @@ static int first_untold(const struct bus *b, const bool *is, bool *told)
     return -1;
 }
 
+static bool peer_news(const struct bus *b, const bool *is, bool *told, const char *what, char *text)
+{
+    char at[32];
+    int i = first_untold(b, is, told);
+    if (i >= 0) {
+        write_address(&b->udp.peer[i], at);
+        snprintf(text, BUS_REASON, "the peer %s %s", at, what);
+    }
+    return i >= 0;
+}
+
 static bool udp_news(struct bus *b, char text[BUS_REASON])
 {
     char at[32];
@@ -248,16 +260,14 @@ static bool udp_news(struct bus *b, char text[BUS_REASON])
                  strerror(b->udp.peer_error[i]));
         return true;
     }
-    i = first_untold(b, b->udp.peer_malformed, b->malformed_told);
-    if (i >= 0) {
-        write_address(&b->udp.peer[i], at);
-        snprintf(
-            text, BUS_REASON,
-            "the peer %s sends what is refused: no packet of cannelloni version 2 with classic CAN frames; "
-            "see docs/reference/protocol.md",
-            at);
-    }
-    return i >= 0;
+    return peer_news(b, b->udp.peer_malformed, b->malformed_told,
+                     "sends what is refused: no packet of cannelloni version 2; see "
+                     "docs/reference/protocol.md",
+                     text) ||
+           peer_news(b, b->udp.peer_passed_over, b->passed_over_told,
+                     "sends CAN FD, remote or error frames, too: they are passed over, and rx_foreign counts "
+                     "them",
+                     text);
 }
 
 bool bus_news(struct bus *b, char text[BUS_REASON])

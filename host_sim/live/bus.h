@@ -39,7 +39,7 @@ struct bus {
     struct faults *faults; /* NULL: none */
     struct log log;
     uint32_t strangers_told; /* by bus_news */
-    bool peer_told[UDP_PEERS], malformed_told[UDP_PEERS], log_told;
+    bool peer_told[UDP_PEERS], malformed_told[UDP_PEERS], passed_over_told[UDP_PEERS], log_told;
 };
 
 /* Opens `spec` (see above) with these peers ("HOST:PORT"; UDP only). On CAN only the identifiers of
@@ -74,8 +74,8 @@ bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why);
 void bus_set_frame(struct bus *b, uint64_t frame, double frame_s, uint32_t missed);
 
 /* The next piece of news of the link, as a line of text for stderr; false when there is no more. News are
- * a sender that is not listed, a peer that cannot be sent to or sends malformed packets, and a recording
- * that has ended. */
+ * a sender that is not listed, a peer that cannot be sent to, sends malformed packets or frames that no plant
+ * takes, and a recording that has ended. */
 bool bus_news(struct bus *b, char text[BUS_REASON]);
 
 /* Ends the recording, if any: false when the file is not

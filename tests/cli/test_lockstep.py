@@ -13,6 +13,7 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+import lockstep_client  # noqa: E402
 from processes import LONG, end, end_all, free_ports, start  # noqa: E402
 from verdicts import conclude, equal, verdict  # noqa: E402
 
@@ -260,6 +261,37 @@ def test_strangers():
     verdict("and it is told while the plant waits", at + " sent packets that were dropped" in p.err, p.err)
 
 
+def test_beside():
+    """What a gateway may pack beside a command: identifier, length, for CAN FD flags, data."""
+    print("--- frames of other kinds beside commands", flush=True)
+    kinds = {"CAN FD": struct.pack(">IBB", 0x345, 0x80 | 12, 1) + bytes(12), "remote": struct.pack(">IB", 0x40000201, 8),
+             "error": struct.pack(">IB", 0x20000080, 8) + bytes(8), "29 bits": struct.pack(">IB", 0x98FEF100, 8) + bytes(8),
+             "length 9": struct.pack(">IB", 0x345, 9) + bytes(9)}
+    for name, raw in kinds.items():
+        p = plant("--lockstep", *log("beside.log"))
+        c = lockstep_client.Client(("127.0.0.1", port + 1), ("127.0.0.1", port))
+        c.turn()
+        while c.session_seen is None:
+            c.turn()
+        c.commands, c.session = [raw], 1
+        c.enable()
+        c.commands.append(raw)
+        c.turn()
+        equal(name + " beside an ENABLE: the session", c.session_seen, 1)
+        c.control(lockstep_client.START)
+        c.turn()
+        c.commands = [raw]
+        c.control(lockstep_client.STOP)
+        c.turn()
+        equal("  beside a STOP: the state", c.state, 4)
+        c.commands = [raw]
+        c.turn()
+        c.socket.close()
+        equal("  a word of it alone is none that is missing: status", finish(p), 0)
+        equal("  is told", "rx_foreign" in p.err, name != "29 bits")
+        equal("  the log replays: status", end(start(program, "replay", os.path.join(directory, "beside.log"))), 0)
+
+
 def test_memory():
     """Words and answers by the layout of docs/guide/lockstep.md."""
     print("--- memory", flush=True)
@@ -327,7 +359,7 @@ def test_misuse():
 port = free_ports(4, 11000)
 with tempfile.TemporaryDirectory() as directory:
     try:
-        for test in (test_misuse, test_words, test_equal_runs, test_stopped, test_faults, test_two_peers, test_strangers, test_silence, test_memory):
+        for test in (test_misuse, test_words, test_equal_runs, test_stopped, test_faults, test_two_peers, test_strangers, test_beside, test_silence, test_memory):
             test()
     finally:
         end_all()

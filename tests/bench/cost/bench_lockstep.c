@@ -108,12 +108,13 @@ static ssize_t take_answer(uint8_t *answer)
 static int exchange(void)
 {
     static struct frame f[CANNELLONI_FRAMES_MAX];
+    static uint32_t passed_over;
     uint8_t answer[CANNELLONI_PACKET_MAX];
     ssize_t n = rings ? put_word() : send(plant, word.bytes, word.n_bytes, 0);
     cannelloni_next(&word);
     for (n = n < 0 ? n : CANNELLONI_MORE; n >= CANNELLONI_MORE;) {
         n = rings ? take_answer(answer) : recv(plant, answer, sizeof answer, 0);
-        int frames = n < 0 ? 0 : cannelloni_parse(answer, (size_t)n, f, CANNELLONI_FRAMES_MAX);
+        int frames = n < 0 ? 0 : cannelloni_parse(answer, (size_t)n, f, CANNELLONI_FRAMES_MAX, &passed_over);
         for (int i = 0; i < frames; i++)
             hear(&f[i]);
     }

@@ -83,10 +83,11 @@ static void hear(const struct frame *f)
 static void hear_all(void)
 {
     static struct frame f[CANNELLONI_FRAMES_MAX];
+    static uint32_t passed_over;
     uint8_t bytes[CANNELLONI_PACKET_MAX];
     ssize_t n;
     while ((n = recv(link_to_plants, bytes, sizeof bytes, MSG_DONTWAIT)) > 0) {
-        int frames = cannelloni_parse(bytes, (size_t)n, f, CANNELLONI_FRAMES_MAX);
+        int frames = cannelloni_parse(bytes, (size_t)n, f, CANNELLONI_FRAMES_MAX, &passed_over);
         for (int k = 0; k < frames; k++)
             hear(&f[k]);
     }

@@ -209,6 +209,12 @@ TEST(net_strangers)
     send_as(&bench_config.self, packet_golden, 0);
     check_int("an empty datagram is refused", take_from(&plant, &got), -HAL_FOREIGN);
     check_int("counted on their own", plant.malformed, 2);
+    send_as(&bench_config.self, packet_beside, sizeof packet_beside);
+    check_int("frames of other kinds are told", take_from(&plant, &got), -HAL_FOREIGN);
+    check_int("and counted", plant.passed_over, 2);
+    check_int("the command beside them is taken", take_from(&plant, &got), 1);
+    check_true("as it is", packet_same(&got, &packet_frame[0]));
+    check_int("its packet is not malformed", plant.malformed, 2);
     send_as(&bench_config.self, packet_golden, sizeof packet_golden);
     plant_end.frame[plant_end.n - 1][50] ^= 1;
     check_int("a damaged datagram is refused", take_from(&plant, &got), -HAL_FOREIGN);

@@ -169,6 +169,12 @@ TEST(memory_hostile)
         check_int("once", plant_memory.hal.recv(&plant_memory, &f), 0);
         check_int("and counted", plant_memory.malformed, i + 1);
     }
+    say_packet(packet_beside, sizeof packet_beside);
+    check_int("one with frames of other kinds is a word", memory_await(&plant_memory, 0), true);
+    check_int("they are reported", plant_memory.hal.recv(&plant_memory, &f), -HAL_FOREIGN);
+    check_int("and counted", plant_memory.passed_over, 2);
+    check_int("the command beside them is taken", plant_memory.hal.recv(&plant_memory, &f), 1);
+    check_true("as it is", packet_same(&f, &packet_frame[0]));
     say_packet(packet_golden, sizeof packet_golden);
     check_int("the next good one is a word", memory_await(&plant_memory, 0), true);
     close_rings();

@@ -235,6 +235,12 @@ TEST(udp_strangers)
     send_raw(shared_socket(&bench), plant.port, packet_golden, sizeof packet_golden - 1);
     check_int("a peer's bad packet is refused", take(&plant, &got), -HAL_FOREIGN);
     check_int("counted on its own", plant.malformed, 1);
+    send_raw(shared_socket(&bench), plant.port, packet_beside, sizeof packet_beside);
+    check_int("frames of other kinds are told", take(&plant, &got), -HAL_FOREIGN);
+    check_int("and counted", plant.passed_over, 2);
+    check_int("the command beside them is taken", take(&plant, &got), 1);
+    check_true("as it is", packet_same(&got, &packet_frame[0]));
+    check_int("its packet is not malformed", plant.malformed, 1);
     fill_packet(big);
     send_raw(shared_socket(&bench), plant.port, big, CANNELLONI_PACKET_MAX);
     int n = 0;
@@ -571,6 +577,13 @@ TEST(udp_lockstep_turns)
     send_raw(shared_socket(&bench), plant.port, packet_golden, sizeof packet_golden - 1);
     check_int("a malformed packet is no word", udp_await(&plant, 2000), 1);
     check_true("whose it was is known", plant.peer_malformed[0]);
+    send_raw(shared_socket(&bench), plant.port, packet_beside, sizeof packet_beside);
+    check_int("one with frames of other kinds is", udp_await(&plant, 2000), 0);
+    check_int("they are told", plant.hal.recv(&plant, &got), -HAL_FOREIGN);
+    check_int("the command beside them is taken", plant.hal.recv(&plant, &got), 1);
+    check_true("as it is", packet_same(&got, &packet_frame[0]));
+    flush(&plant);
+    hear();
     int stranger = open_stranger("127.0.0.1", 0);
     send_raw(stranger, plant.port, packet_golden, sizeof packet_golden);
     check_int("nor is a stranger's", udp_await(&plant, 2000), 1);
