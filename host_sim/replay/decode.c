@@ -1,11 +1,12 @@
 /* decode.c - contactplant decode: a log as a table. */
 #include "host_sim/replay/decode_signals.h"
+#include "host_sim/out/cell.h"
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/commands.h"
 #include "host_sim/replay/log_report.h"
-#include "host_sim/report/decimate.h"
+#include "host_sim/replay/log_series.h"
 
 #include <errno.h>
 #include <math.h>
@@ -47,36 +48,49 @@ static int open_log(struct decode *d, const struct options *o, const char *path,
 static void put_event(void *context, const struct decode_event *e)
 {
     FILE *f = context;
-    fprintf(f, "%.12g,%s,%u,%.9g,%.9g\n", e->t_s, e->touch ? "touchdown" : "liftoff", e->contact, e->speed,
-            e->peak_force_N);
+    fprintf(f, "%.12g,%s,%u,", e->t_s, e->touch ? "touchdown" : "liftoff", e->contact);
+    cell_put(f, e->speed, 9);
+    fputc(',', f);
+    cell_put(f, e->peak_force_N, 9);
+    fputc('\n', f);
 }
 
 /* Bands from the smallest to the largest value of some rows: no line is drawn through samples of a motion
- * that is faster than they are. */
-static int draw(const struct decimate *d, const struct options *o, const struct model *m)
+ * that is faster than they are. Values beyond the bus's range are marked. */
+static void draw_signal(struct chart *c, const struct log_series *r, const struct model *m, int k)
+{
+    const struct decimate *d = &r->bins;
+    char name[DECODE_NAME], label[2 * DECODE_NAME];
+    double low = (double)INFINITY, high = -(double)INFINITY, from, to;
+    bool beyond = k < DECODE_OUTPUTS && r->n_beyond[k];
+    chart_range_add(&low, &high, d->low[k], d->n);
+    chart_range_add(&low, &high, d->high[k], d->n);
+    if (!(low <= high) && !beyond)
+        return; /* nothing was said of it */
+    chart_range_finish(&low, &high);
+    decode_name(m, k, name);
+    snprintf(label, sizeof label, "%s (%s)", name, decode_signal(m, k)->unit);
+    chart_panel(c, label, 90.0, low, high);
+    for (size_t i = 0; beyond && log_series_next(r, k, &i, &from, &to);)
+        chart_span(c, from, to, NULL, CHART_RED);
+    if (beyond)
+        chart_legend(c, CHART_RED, "beyond the bus's range");
+    chart_band(c, d->x, d->low[k], d->high[k], d->n, CHART_BLUE, NULL);
+    chart_line(c, d->x, d->high[k], d->n, CHART_BLUE, NULL);
+    chart_line(c, d->x, d->low[k], d->n, CHART_BLUE, NULL);
+}
+
+static int draw(const struct log_series *r, const struct options *o, const struct model *m)
 {
     struct chart c;
-    char name[DECODE_NAME], label[2 * DECODE_NAME];
     FILE *f = fopen(options_text(o, "svg", 0), "w");
     if (!f)
         return options_failure(o->usage, "--svg %s cannot be written: %s", options_text(o, "svg", 0),
                                strerror(errno));
     chart_begin(&c, "contactplant decode", o->word[0]);
-    chart_x_range(&c, d->x[0], fmax(d->last, d->x[0] + 1e-9));
-    for (int k = 0; k < decode_signals(m); k++) {
-        double low = (double)INFINITY, high = -(double)INFINITY;
-        chart_range_add(&low, &high, d->low[k], d->n);
-        chart_range_add(&low, &high, d->high[k], d->n);
-        if (!(low <= high))
-            continue; /* nothing was said of it */
-        chart_range_finish(&low, &high);
-        decode_name(m, k, name);
-        snprintf(label, sizeof label, "%s (%s)", name, decode_signal(m, k)->unit);
-        chart_panel(&c, label, 90.0, low, high);
-        chart_band(&c, d->x, d->low[k], d->high[k], d->n, CHART_BLUE, NULL);
-        chart_line(&c, d->x, d->high[k], d->n, CHART_BLUE, NULL);
-        chart_line(&c, d->x, d->low[k], d->n, CHART_BLUE, NULL);
-    }
+    chart_x_range(&c, r->bins.x[0], fmax(r->bins.last, r->bins.x[0] + 1e-9));
+    for (int k = 0; k < decode_signals(m); k++)
+        draw_signal(&c, r, m, k);
     chart_x_axis(&c, "plant time (s)");
     const char *why = chart_end(&c, f);
     bool closed = fclose(f) == 0;
@@ -85,14 +99,14 @@ static int draw(const struct decimate *d, const struct options *o, const struct 
 
 static int print_rows(struct decode *d, const struct options *o, const struct model *m, FILE *out)
 {
-    static struct decimate rows;
+    static struct log_series rows;
     struct decode_row row;
     int got;
     decode_put_header(out, m);
-    decimate_begin(&rows, decode_signals(m));
+    log_series_begin(&rows, m->n_inputs);
     while ((got = decode_next(d, &row)) > 0) {
         decode_put_row(out, m, &row);
-        decimate_add(&rows, row.t_s, row.value);
+        log_series_add(&rows, &row);
     }
     if (got < 0)
         return options_failure(o->usage, "%s", d->reader.reason);
@@ -151,7 +165,7 @@ int cmd_decode(int argc, char **argv)
         decode_close(&d);
     }
     if (!status)
-        status = log_report(&o, o.word[0], &scene, argc, argv, NULL, NULL);
+        status = log_report(&o, o.word[0], &scene, argc, argv, NULL, NULL, NULL);
     scene_free(&scene);
     return status;
 }

@@ -1,5 +1,6 @@
 /* decode_rows.c - see decode_rows.h. */
 #include "host_sim/replay/decode_rows.h"
+#include "models/check.h"
 
 #include <math.h>
 #include <string.h>
@@ -55,9 +56,31 @@ static void hear_event(struct decode *d, const struct message *m)
         d->heard(d->context, &d->event);
 }
 
+/* Takes output i, or that it is not available. */
+static void take_output(struct decode_row *row, int i, double value)
+{
+    row->value[i] = value;
+    row->beyond &= ~(1u << i);
+    row->beyond |= isnan(value) ? 1u << i : 0u;
+}
+
+static void take_pair(struct decode_row *row, int i, const struct message *m)
+{
+    row->closed = (unsigned)m->value[CONTACT_IN_CONTACT];
+    row->contact_known = true;
+    take_output(row, i, m->value[CONTACT_PENETRATION]);
+    take_output(row, i + 1, m->value[CONTACT_FORCE]);
+}
+
+STATIC_ASSERT((int)MOTION_IN_CONTACT == (int)CONTACT_IN_CONTACT &&
+                  (int)MOTION_DISPLACEMENT == (int)CONTACT_PENETRATION &&
+                  (int)MOTION_VELOCITY == (int)CONTACT_FORCE,
+              pairs_are_alike);
+
 static void hear(struct decode *d, const struct message *m)
 {
     double *value = d->row.value;
+    log_tally_hear(&d->tally, m);
     if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
         value[DECODE_OUTPUTS + m->kind - WIRE_STREAM] = m->value[STREAM_SAMPLE];
     else if (m->kind == WIRE_EVENT_TIME || m->kind == WIRE_EVENT_DATA)
@@ -66,14 +89,8 @@ static void hear(struct decode *d, const struct message *m)
         d->identity = m->value[INFO_VALUE];
     else if (m->kind == WIRE_STATUS)
         d->row.state = (int)m->value[STATUS_STATE];
-    else if (m->kind == WIRE_MOTION) {
-        value[0] = m->value[MOTION_DISPLACEMENT];
-        value[1] = m->value[MOTION_VELOCITY];
-    } else if (m->kind == WIRE_CONTACT) {
-        d->row.closed = (unsigned)m->value[CONTACT_IN_CONTACT];
-        value[2] = m->value[CONTACT_PENETRATION];
-        value[3] = m->value[CONTACT_FORCE];
-    }
+    else if (m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT)
+        take_pair(&d->row, m->kind == WIRE_MOTION ? 0 : 2, m);
 }
 
 bool decode_take(struct decode *d, const struct message *m, struct decode_row *row)

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include "firmware/bus/wire.h"
 #include "hal/posix/log.h"
+#include "host_sim/replay/log_tally.h"
 
 enum {
     DECODE_OUTPUTS = 4, /* MOTION and CONTACT carry the first four of every model */
@@ -17,6 +18,8 @@ struct decode_row {
     double t_s;                   /* plant time */
     int state;                    /* as of the last STATUS */
     unsigned closed;              /* bit i: contact i is closed */
+    bool contact_known;           /* `closed` was said */
+    unsigned beyond;              /* bit i: output i was said to be not available */
     double value[DECODE_SIGNALS]; /* outputs, then the newest sample streamed to each input; NaN: not said */
 };
 
@@ -24,7 +27,7 @@ struct decode_event {
     double t_s;
     bool touch;
     unsigned contact;
-    double speed, peak_force_N;
+    double speed, peak_force_N; /* NaN: beyond the bus's range */
 };
 
 struct decode {
@@ -35,6 +38,7 @@ struct decode {
     bool begun, ended;
     double identity;      /* as INFO told it last; NaN: untold */
     uint64_t lines, ours; /* read; of these, the scene's own */
+    struct log_tally tally;
     struct decode_event event;
     void (*heard)(void *context, const struct decode_event *e); /* NULL for none */
     void *context;

@@ -1,8 +1,8 @@
 /* decode_signals.c - see decode_signals.h. */
 #include "host_sim/replay/decode_signals.h"
 
-#include <math.h>
 #include <stdio.h>
+#include "host_sim/out/cell.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
 
@@ -45,20 +45,14 @@ void decode_put_header(FILE *f, const struct model *m)
     fputc('\n', f);
 }
 
-static void put_number(FILE *f, double x)
-{
-    if (!isnan(x))
-        fprintf(f, ",%.9g", x);
-    else
-        fputc(',', f);
-}
-
 void decode_put_row(FILE *f, const struct model *m, const struct decode_row *r)
 {
     const char *state = names_text(m, NAMES_STATE, (unsigned)r->state);
-    fprintf(f, "%.9f,%llu,%llu,%s,%u", r->t_s, (unsigned long long)r->frame, (unsigned long long)r->tick,
-            state ? state : "", r->closed);
+    fprintf(f, "%.9f,%llu,%llu,%s,", r->t_s, (unsigned long long)r->frame, (unsigned long long)r->tick,
+            state ? state : "");
+    if (r->contact_known)
+        fprintf(f, "%u", r->closed);
     for (int i = 0; i < decode_signals(m); i++)
-        put_number(f, r->value[i]);
+        fputc(',', f), cell_put(f, r->value[i], 9);
     fputc('\n', f);
 }

@@ -1,5 +1,8 @@
 /* log_report.c - see log_report.h. */
 #include "host_sim/replay/log_report.h"
+#include "host_sim/cli/trouble.h"
+#include "host_sim/cli/unit.h"
+#include "host_sim/replay/decode_signals.h"
 #include "host_sim/report/html_scene.h"
 
 #include <math.h>
@@ -9,14 +12,12 @@
 /* Rows that a band spans at least: they show every phase of nearly any motion that is fast for the rows. */
 static const double band_rows = 40.0;
 
-STATIC_ASSERT((int)DECODE_SIGNALS <= (int)DECIMATE_COLUMNS, signals_fit);
-
 void log_report_begin_in(struct log_report *p, const struct html *h, const struct model *m)
 {
     memset(p, 0, sizeof *p);
     p->html = *h;
     p->marker_s = (double)NAN;
-    decimate_begin(&p->rows, DECODE_OUTPUTS + m->n_inputs);
+    log_series_begin(&p->rows, m->n_inputs);
     decimate_begin(&p->impacts, 1);
 }
 
@@ -27,7 +28,7 @@ void log_report_end_in(struct log_report *p, struct html *h)
 }
 
 /* From t_s on these contacts are closed. */
-static void change(struct log_report *p, double t_s, unsigned closed)
+static void change(struct log_report *p, double t_s, unsigned closed, bool known)
 {
     if (p->n_changes == p->room) {
         size_t room = p->room ? 2 * p->room : 1024;
@@ -38,66 +39,153 @@ static void change(struct log_report *p, double t_s, unsigned closed)
         p->change = more;
         p->room = room;
     }
-    p->change[p->n_changes++] = (struct log_switch){t_s, closed};
+    p->change[p->n_changes++] = (struct log_switch){t_s, closed, known};
     p->closed = closed;
+    p->known = known;
 }
 
 void log_report_row(struct log_report *p, const struct decode_row *row)
 {
-    if (!p->rows.rows)
+    bool first = !p->rows.n, other = row->contact_known && p->known && row->closed != p->closed;
+    if (first)
         p->first_s = row->t_s;
-    if (!p->rows.rows || (row->closed != p->closed && row->t_s > p->change[p->n_changes - 1].t_s)) {
-        p->seen += p->rows.rows > 0;
-        change(p, row->t_s, row->closed);
+    if (first || row->contact_known != p->known || (other && row->t_s > p->change[p->n_changes - 1].t_s)) {
+        p->seen += other;
+        change(p, row->t_s, row->closed, row->contact_known);
     }
-    decimate_add(&p->rows, row->t_s, row->value);
+    log_series_add(&p->rows, row);
+}
+
+static void take_most(struct log_most *m, double value)
+{
+    m->n++;
+    m->n_beyond += isnan(value);
+    m->most = fmax(m->most, fabs(value));
 }
 
 void log_report_event(struct log_report *p, const struct decode_event *e)
 {
-    unsigned long n = p->touchdowns + p->liftoffs;
+    unsigned long n = p->impact.n + p->peak.n;
     if (n < LOG_SWITCHES_TOLD)
         p->told[n] = *e;
-    change(p, e->t_s, e->touch ? p->closed | 1u << e->contact : p->closed & ~(1u << e->contact));
+    change(p, e->t_s, e->touch ? p->closed | 1u << e->contact : p->closed & ~(1u << e->contact), true);
     if (e->touch) {
-        p->touchdowns++;
-        p->hardest_m_per_s = fmax(p->hardest_m_per_s, fabs(e->speed));
         double speed = fabs(e->speed);
+        take_most(&p->impact, speed);
         decimate_add(&p->impacts, e->t_s, &speed);
     } else {
-        p->liftoffs++;
-        p->peak_N = fmax(p->peak_N, e->peak_force_N);
+        take_most(&p->peak, e->peak_force_N);
     }
 }
 
-static void put_words(struct log_report *p, const struct scene_app *s)
+/* ---- words ---- */
+
+/* The trouble of the run, by the counters of the plant, or else by those that the log tells. */
+static void put_trouble(struct html *h, const struct log_tally *t, const uint32_t *count)
+{
+    char text[TROUBLE_TEXT];
+    bool all = count || log_tally_is_complete(t),
+         any = trouble_list(count ? count : t->count, t->faults, text);
+    if (any)
+        html_words(h, "%s%s.", all ? "" : "At least ", text);
+    else if (all)
+        html_words(h, "No overrun, no missed frame, no time-out, no fault, and nothing was refused.");
+    if (!all)
+        html_words(h, "The log does not tell every counter of the plant (HEALTH): more may have gone wrong.");
+}
+
+static void put_most(struct html *h, const struct log_most *m, const char *what, const char *which,
+                     double range, const char *unit)
+{
+    if (m->n_beyond)
+        html_words(h, "%s at least %.4g %s: %lu of %lu %s were beyond the bus's range.", what,
+                   fmax(range, m->most), unit, m->n_beyond, m->n, which);
+    else if (m->n)
+        html_words(h, "%s %.6g %s.", what, m->most, unit);
+}
+
+/* Rows whose contact never changed, and no event: what is known of it. */
+static void put_no_switch(struct log_report *p, bool all_sent)
+{
+    bool known = p->known && p->n_changes > 0;
+    if (!known)
+        html_words(&p->html, "The log does not say whether contact was closed.");
+    else if (!p->seen && all_sent)
+        html_words(&p->html, "Contact did not change: it was %s all the time that is known.",
+                   p->closed ? "closed" : "open");
+    else
+        html_words(&p->html, "No contact switch was sent.");
+}
+
+static void put_contacts(struct log_report *p, const struct wire_scene *w, const struct log_tally *t)
 {
     struct html *h = &p->html;
-    html_words(h, "%s, %.9g s of plant time in %zu rows.", s->config.model->name, p->rows.last - p->first_s,
-               p->rows.rows);
-    if (!s->config.model->n_contacts)
-        return;
-    html_words(
-        h,
-        "%lu touchdowns and %lu lift-offs were sent. The hardest impact had %.6g m/s, the largest force was "
-        "%.6g N.",
-        p->touchdowns, p->liftoffs, p->hardest_m_per_s, p->peak_N);
+    if (p->impact.n + p->peak.n == 0)
+        put_no_switch(p, !(t->not_sent > 0.0));
+    else
+        html_words(h, "%lu touchdowns and %lu lift-offs were sent.", p->impact.n, p->peak.n);
+    put_most(h, &p->impact, "The hardest impact had", "speeds", log_series_range(w, 1), "m/s");
+    put_most(h, &p->peak, "The largest force was", "peaks", log_series_range(w, 3), "N");
+    if (t->not_sent > 0.0)
+        html_words(h, "%.0f contact events of the run were not sent: there may have been harder ones.",
+                   t->not_sent);
     if (p->seen)
         html_words(
             h, "Changes of contact seen in the rows alone, whose events were not sent or came later: %lu.",
             p->seen);
+}
+
+/* Outputs that the bus could not say. */
+static void put_beyond(struct log_report *p, const struct scene_app *s, const struct log_tally *t)
+{
+    for (int k = 0; k < DECODE_OUTPUTS; k++) {
+        const struct signal *g = &s->config.model->output_signal[k];
+        char rounded[UNIT_TEXT], range[UNIT_TEXT];
+        if (!p->rows.n_beyond[k])
+            continue;
+        snprintf(rounded, sizeof rounded, "%.3g", log_series_range(&s->app.scene, k));
+        unit_write(strtod(rounded, NULL), g->unit, range);
+        html_words(&p->html, "%zu of %zu rows have no %s: it was beyond the bus's range of %s%s.",
+                   p->rows.n_beyond[k], p->rows.n, g->name, range,
+                   t->sensor_faults ? ", or a fault of its sensor withheld it" : "");
+    }
+}
+
+static void put_words(struct log_report *p, const struct scene_app *s, const struct log_tally *t)
+{
+    struct html *h = &p->html;
+    if (!p->rows.n) {
+        html_words(h, "No row of the plant is in the log.");
+        return;
+    }
+    html_words(h, "%s, %.9g s of plant time in %zu rows.", s->config.model->name,
+               p->rows.bins.last - p->first_s, p->rows.n);
+    if (s->config.model->n_contacts)
+        put_contacts(p, &s->app.scene, t);
+    put_beyond(p, s, t);
     html_words(h, "A band reaches from the least to the greatest of %.0f rows or more. No line joins rows.",
                band_rows);
+}
+
+/* ---- charts ---- */
+
+static void put_marks(struct log_report *p, int k)
+{
+    double from, to;
+    for (size_t i = 0; k < DECODE_OUTPUTS && log_series_next(&p->rows, k, &i, &from, &to);)
+        html_span(&p->html, "beyond the bus's range", from, to);
+    if (p->marker_s >= p->first_s && p->marker_s <= p->rows.bins.last)
+        html_marker(&p->html, p->marker_s, "%.9g s", p->marker_s);
 }
 
 /* Output k as a band; a command as the steps that it was, while they are few. */
 static void put_signal(struct log_report *p, const struct scene_app *s, int k)
 {
     const struct model *m = s->config.model;
-    const struct signal *g = k < DECODE_OUTPUTS ? &m->output_signal[k] : &m->input_signal[k - DECODE_OUTPUTS];
-    const struct decimate *d = &p->rows;
+    const struct signal *g = decode_signal(m, k);
+    const struct decimate *d = &p->rows.bins;
     char title[96];
-    bool any = false;
+    bool any = k < DECODE_OUTPUTS && p->rows.n_beyond[k];
     for (size_t i = 0; i < d->n; i++)
         any |= !isnan(d->low[k][i]);
     if (!any)
@@ -109,22 +197,22 @@ static void put_signal(struct log_report *p, const struct scene_app *s, int k)
     else
         html_band(&p->html, g->name, d->n, d->x, d->last,
                   k < DECODE_OUTPUTS ? band_rows * s->config.frame_s : 0.0, d->low[k], d->high[k]);
-    if (p->marker_s >= p->first_s && p->marker_s <= p->rows.last)
-        html_marker(&p->html, p->marker_s, "%.9g s", p->marker_s);
+    put_marks(p, k);
 }
 
 static void put_contact(struct log_report *p)
 {
     struct decimate_open *open = malloc(sizeof *open);
     p->no_memory |= !open;
-    if (!open || !(p->rows.last > p->first_s)) {
+    if (!open || !(p->rows.bins.last > p->first_s)) {
         free(open);
         return;
     }
-    decimate_open_begin(open, p->first_s, p->rows.last, 0);
+    decimate_open_begin(open, p->first_s, p->rows.bins.last, DECIMATE_UNKNOWN);
     for (size_t i = 0; i < p->n_changes; i++)
-        decimate_open_add(open, p->change[i].t_s, !p->change[i].closed);
-    decimate_open_add(open, p->rows.last, 0);
+        decimate_open_add(open, p->change[i].t_s,
+                          p->change[i].known ? !p->change[i].closed : DECIMATE_UNKNOWN);
+    decimate_open_add(open, p->rows.bins.last, 0);
     html_chart(&p->html, "contact", "", "plant time", "s");
     html_open(&p->html, DECIMATE_BINS, open->from, open->to, open->share);
     free(open);
@@ -138,9 +226,17 @@ static void put_contact(struct log_report *p)
                   p->impacts.high[0]);
 }
 
+static void put_told(struct html *h, double value)
+{
+    if (isnan(value))
+        html_cell(h, "beyond the range");
+    else
+        html_cell(h, "%.9g", value);
+}
+
 static void put_switches(struct log_report *p)
 {
-    unsigned long n = p->touchdowns + p->liftoffs, told = n < LOG_SWITCHES_TOLD ? n : LOG_SWITCHES_TOLD;
+    unsigned long n = p->impact.n + p->peak.n, told = n < LOG_SWITCHES_TOLD ? n : LOG_SWITCHES_TOLD;
     char title[64];
     snprintf(title, sizeof title, told < n ? "Contact switches, the first %lu of %lu" : "Contact switches",
              told, n);
@@ -150,19 +246,20 @@ static void put_switches(struct log_report *p)
         html_cell(&p->html, "%.12g", p->told[i].t_s);
         html_cell(&p->html, p->told[i].touch ? "touchdown" : "liftoff");
         html_cell(&p->html, "%u", p->told[i].contact);
-        html_cell(&p->html, "%.9g", p->told[i].speed);
-        html_cell(&p->html, "%.9g", p->told[i].peak_force_N);
+        put_told(&p->html, p->told[i].speed);
+        if (!p->told[i].touch)
+            put_told(&p->html, p->told[i].peak_force_N);
     }
 }
 
-void log_report_charts(struct log_report *p, const struct scene_app *s)
+void log_report_charts(struct log_report *p, const struct scene_app *s, const struct log_tally *tally)
 {
-    put_words(p, s);
-    for (int k = 0; k < p->rows.n_columns && p->rows.rows; k++)
+    put_words(p, s, tally);
+    for (int k = 0; k < p->rows.n_signals && p->rows.n; k++)
         put_signal(p, s, k);
-    if (s->config.model->n_contacts && p->rows.rows)
+    if (s->config.model->n_contacts && p->rows.n)
         put_contact(p);
-    if (p->touchdowns + p->liftoffs)
+    if (p->impact.n + p->peak.n)
         put_switches(p);
 }
 
@@ -172,26 +269,27 @@ static void hear_row(void *context, const struct decode_event *e)
 }
 
 /* All rows and events of a log. NULL, or what went wrong. */
-static const char *read_log(struct log_report *p, const char *log, const struct scene_app *s)
+static const char *read_log(struct log_report *p, struct decode *d, const char *log,
+                            const struct scene_app *s)
 {
-    static struct decode d;
     struct decode_row row;
-    const char *why = decode_open(&d, log, &s->app.scene, s->app.plant.tick_s);
+    const char *why = decode_open(d, log, &s->app.scene, s->app.plant.tick_s);
     int got;
     if (why)
         return why;
-    d.heard = hear_row;
-    d.context = p;
-    while ((got = decode_next(&d, &row)) > 0)
+    d->heard = hear_row;
+    d->context = p;
+    while ((got = decode_next(d, &row)) > 0)
         log_report_row(p, &row);
-    decode_close(&d);
-    return got < 0 ? d.reader.reason : p->no_memory ? "out of memory" : NULL;
+    decode_close(d);
+    return got < 0 ? d->reader.reason : p->no_memory ? "out of memory" : NULL;
 }
 
 int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
-               void (*more)(struct html *h, const void *context), const void *context)
+               const uint32_t *count, void (*more)(struct html *h, const void *context), const void *context)
 {
     static struct log_report p;
+    static struct decode d;
     struct html h;
     char title[128];
     const char *path = options_text(o, "report", 0), *why, *bad;
@@ -202,8 +300,9 @@ int log_report(const struct options *o, const char *log, const struct scene_app 
     if ((why = html_begin(&h, path, title, argc, argv)))
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
     log_report_begin_in(&p, &h, s->config.model);
-    bad = read_log(&p, log, s);
-    log_report_charts(&p, s);
+    bad = read_log(&p, &d, log, s);
+    put_trouble(&p.html, &d.tally, count);
+    log_report_charts(&p, s, &d.tally);
     log_report_end_in(&p, &h);
     if (more)
         more(&h, context);

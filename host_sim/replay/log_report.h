@@ -4,30 +4,38 @@
 
 #include "host_sim/cli/options.h"
 #include "host_sim/replay/decode_rows.h"
-#include "host_sim/report/decimate.h"
+#include "host_sim/replay/log_series.h"
 #include "host_sim/report/html.h"
 #include "host_sim/scene/scene_app.h"
 
 enum { LOG_SWITCHES_TOLD = 20 };
 
-/* From t_s on these contacts are closed. */
+/* From t_s on these contacts are closed, if that is known. */
 struct log_switch {
     double t_s;
     unsigned closed;
+    bool known;
+};
+
+/* The greatest and how many of something that events tell with a number. */
+struct log_most {
+    unsigned long n, n_beyond; /* events; those whose number was beyond the bus's range */
+    double most;               /* the greatest of the others */
 };
 
 struct log_report {
     struct html html;
-    struct decimate rows, impacts;
+    struct log_series rows;
+    struct decimate impacts;
     double first_s;  /* time of the first row */
     double marker_s; /* a line there in each chart; NaN: none */
     struct decode_event told[LOG_SWITCHES_TOLD];
-    unsigned long touchdowns, liftoffs,
-        seen; /* seen: changes of contact in the rows, whether sent as events or not */
-    double hardest_m_per_s, peak_N;
-    struct log_switch *change; /* [n_changes], grows */
+    struct log_most impact, peak; /* speeds of touchdowns, forces of lift-offs */
+    unsigned long seen;           /* changes of contact in the rows, whether sent as events or not */
+    struct log_switch *change;    /* [n_changes], grows */
     size_t n_changes, room;
     unsigned closed;
+    bool known; /* `closed` is */
     bool no_memory;
 };
 
@@ -38,11 +46,12 @@ void log_report_end_in(struct log_report *p, struct html *h);
 void log_report_row(struct log_report *p, const struct decode_row *row);
 void log_report_event(struct log_report *p, const struct decode_event *e);
 
-void log_report_charts(struct log_report *p, const struct scene_app *s);
+/* The tally of the log tells what was not sent, and may be of a longer time than the rows. */
+void log_report_charts(struct log_report *p, const struct scene_app *s, const struct log_tally *tally);
 
-/* The whole of a log as --report, if that was given. `more`
- * adds to it, or is NULL. 0, or the exit status after a line. */
+/* The whole of a log as --report, if that was given. `more` adds to it, or is NULL; with it stand the
+ * counters count[DIAG_COUNTERS] of the run itself. 0, or the exit status after a line. */
 int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
-               void (*more)(struct html *h, const void *context), const void *context);
+               const uint32_t *count, void (*more)(struct html *h, const void *context), const void *context);
 
 #endif

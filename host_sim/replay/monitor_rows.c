@@ -94,7 +94,9 @@ static void send_packet(struct monitor_rows *k)
 static void add_row(struct monitor_rows *k, const struct decode_row *r)
 {
     char name[DECODE_NAME];
-    json_item(&k->text, "{'timestamp':%t,'in_contact':%u", r->t_s, (uint64_t)r->closed);
+    json_item(&k->text, "{'timestamp':%t", r->t_s);
+    if (r->contact_known)
+        json_item(&k->text, "'in_contact':%u", (uint64_t)r->closed);
     for (int i = 0; i < decode_signals(k->model); i++) {
         decode_name(k->model, i, name);
         if (isfinite(r->value[i]))

@@ -55,7 +55,8 @@ void decimate_open_add(struct decimate_open *d, double t, int open)
         double left = d->from + i * part;
         if (!(left < b))
             break;
-        d->share[i] += fmax(0.0, fmin(b, left + part) - fmax(a, left)) / part;
+        d->share[i] += d->open == DECIMATE_UNKNOWN ? (double)NAN
+                                                   : fmax(0.0, fmin(b, left + part) - fmax(a, left)) / part;
     }
     d->since = t;
     d->open = open;

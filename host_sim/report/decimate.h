@@ -23,11 +23,14 @@ void decimate_begin(struct decimate *d, int n_columns);
 /* A row: x ascending, n_columns values. NaN counts as no value. */
 void decimate_add(struct decimate *d, double x, const double *value);
 
-/* Intervals in which contact was open, in equal parts of [from, to]. */
+enum { DECIMATE_UNKNOWN = -1 };
+
+/* Intervals in which contact was open, in equal parts of [from, to]. A part in which that is unknown has the
+ * share NaN. */
 struct decimate_open {
     double from, to;
     double since; /* when the present state began */
-    int open;
+    int open;     /* 0, 1 or DECIMATE_UNKNOWN */
     double share[DECIMATE_BINS];
 };
 

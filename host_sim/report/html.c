@@ -207,6 +207,14 @@ void html_open(struct html *h, size_t n, double from, double to, const double *s
     json_put(&h->json, "}");
 }
 
+void html_span(struct html *h, const char *name, double from, double to)
+{
+    const double ends[2] = {from, to};
+    begin_layer(h, "span", name);
+    put_numbers(h, "ends", 2, ends);
+    json_put(&h->json, "}");
+}
+
 void html_marker(struct html *h, double x, const char *format, ...)
 {
     va_list arguments;

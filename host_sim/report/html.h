@@ -64,6 +64,9 @@ void html_open(struct html *h, size_t n, double from, double to, const double *s
 /* A dashed line at x with a word beside it. */
 void html_marker(struct html *h, double x, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Marked from one x to another over the whole height: there are no numbers, and the name says why. */
+void html_span(struct html *h, const char *name, double from, double to);
+
 /* Writes the end and closes the file. NULL, or what went wrong. */
 const char *html_end(struct html *h);
 

@@ -53,5 +53,7 @@ static void put_counters(struct html *h, const void *context)
 
 int run_report(const struct options *o, const struct scene_app *s, int argc, char **argv)
 {
-    return log_report(o, options_text(o, "log", 0), s, argc, argv, put_counters, &s->app);
+    uint32_t count[DIAG_COUNTERS];
+    account_counts(&s->app, count);
+    return log_report(o, options_text(o, "log", 0), s, argc, argv, count, put_counters, &s->app);
 }

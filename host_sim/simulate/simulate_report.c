@@ -109,6 +109,12 @@ static void put_words(struct simulation *r, int status)
         html_words(h, "The motion escaped: the rows end before it.");
     else if (status)
         html_words(h, "The run did not come to its end; the rows end before it.");
+    const struct plant *pl = &r->plant;
+    if (pl->model && pl->counts.budget)
+        html_words(h, "In %u segments there were too many switches: they were run through to the end.",
+                   pl->counts.budget);
+    if (pl->model && pl->counts.residual)
+        html_words(h, "%u switches were located with a residual above the bound.", pl->counts.residual);
     if (r->model->n_contacts && p->touchdowns + p->liftoffs == 0)
         html_words(h, "Contact did not change: it was %s all the time.", p->regime ? "closed" : "open");
     else if (r->model->n_contacts)

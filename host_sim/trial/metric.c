@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/observe/watch.h"
+#include "host_sim/cli/trouble.h"
 
 const struct metric metric_table[METRICS] = {
     [METRIC_CONTACT_LOSS] = {"contact_loss", OF_CONTACTS, "%", "share of time with every contact open"},
@@ -146,23 +147,11 @@ bool metric_block_add(struct metric_block *b, const struct plant *pl)
     return row + 1 == METRIC_TICKS;
 }
 
-static double refused(const uint32_t *count)
-{
-    static const enum diag of[] = {DIAG_CRC,      DIAG_LENGTH,   DIAG_UNKNOWN_ID, DIAG_COUNTER_INVALID,
-                                   DIAG_REPEATED, DIAG_RANGE,    DIAG_LATE,       DIAG_STALE,
-                                   DIAG_SESSION,  DIAG_STATE,    DIAG_FULL,       DIAG_INCOMPLETE,
-                                   DIAG_UNKNOWN,  DIAG_SELF_TEST};
-    double n = 0.0;
-    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++)
-        n += count[of[i]];
-    return n;
-}
-
 double metric_count(enum metric_kind kind, const uint32_t *count)
 {
     switch (kind) {
     case METRIC_REFUSED:
-        return refused(count);
+        return trouble_refused(count);
     case METRIC_LATE:
         return count[DIAG_LATE];
     case METRIC_MISSED:

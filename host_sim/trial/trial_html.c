@@ -5,6 +5,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include "host_sim/cli/trouble.h"
+#include "host_sim/cli/unit.h"
 
 static const double around_s = 0.25; /* before and behind what decided a failure */
 
@@ -16,6 +19,19 @@ static const struct outcome *failure(const struct bench_result *w)
             w->outcome[i].value.when_s >= 0.0)
             return &w->outcome[i];
     return NULL;
+}
+
+/* How many of the cases went well, and which of them had trouble. */
+static void put_headline(struct html *h, const struct report_case *r, int n)
+{
+    int good = 0;
+    char text[TROUBLE_TEXT];
+    for (int i = 0; i < n; i++)
+        good += r[i].worst->verdict == VERDICT_OK;
+    html_words(h, "%d of %d cases are ok.", good, n);
+    for (int i = 0; i < n; i++)
+        if (trouble_list(r[i].worst->count, r[i].worst->faults, text))
+            html_words(h, "%s: %s.", r[i].c->name, text);
 }
 
 static void put_verdicts(struct html *h, const struct report_case *r, int n)
@@ -32,6 +48,29 @@ static void put_verdicts(struct html *h, const struct report_case *r, int n)
     }
 }
 
+/* The size of a truth in words, four digits. */
+static void put_truth(const struct metric_value *v, const char *unit, char text[UNIT_TEXT])
+{
+    char rounded[UNIT_TEXT];
+    snprintf(rounded, sizeof rounded, "%.4g", v->value);
+    unit_write(strtod(rounded, NULL), unit, text);
+}
+
+/* The peaks of the whole run, which the plant itself knows, and its trouble. */
+static void put_run(struct html *h, const struct bench_result *w)
+{
+    const struct metric_value *force = &w->truth[0], *speed = &w->truth[1];
+    char text[TROUBLE_TEXT], a[UNIT_TEXT], b[UNIT_TEXT];
+    put_truth(force, "N", a);
+    put_truth(speed, "m/s", b);
+    if (force->known && force->value > 0.0)
+        html_words(h, "Largest force of the run, by the plant itself: %s at %.6g s.", a, force->when_s);
+    if (speed->known && speed->value > 0.0)
+        html_words(h, "Hardest impact of the run, by the plant itself: %s at %.6g s.", b, speed->when_s);
+    if (trouble_list(w->count, w->faults, text))
+        html_words(h, "In this run: %s.", text);
+}
+
 static void put_expectations(struct html *h, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
@@ -46,6 +85,7 @@ static void put_expectations(struct html *h, const struct report_case *r)
         html_cell(h, "%s", report_verdict[o->verdict]);
         html_cell(h, "%s", o->found);
     }
+    put_run(h, w);
     if (*w->error)
         html_words(h, "%s", w->error);
     if (r->c->n_seeds > 1)
@@ -63,7 +103,7 @@ struct excerpt {
 static void hear(void *context, const struct decode_event *e)
 {
     struct excerpt *x = context;
-    if (x->report.rows.rows && e->t_s >= x->from_s && e->t_s <= x->to_s)
+    if (x->report.rows.n && e->t_s >= x->from_s && e->t_s <= x->to_s)
         log_report_event(&x->report, e);
 }
 
@@ -96,7 +136,7 @@ static void put_charts(struct html *h, const struct report_case *r, const struct
             decode_close(&d);
             html_words(&x.report.html, "%s, line %d, failed at %.9g s:", r->c->name,
                        o->line ? o->line : r->c->line, when_s);
-            log_report_charts(&x.report, &plant.scene);
+            log_report_charts(&x.report, &plant.scene, &d.tally);
         }
         log_report_end_in(&x.report, h);
     }
@@ -124,6 +164,7 @@ int trial_html(const struct options *o, int argc, char **argv, const struct repo
     const char *why = html_begin(&h, path, "test", argc, argv);
     if (why)
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
+    put_headline(&h, r, n);
     put_verdicts(&h, r, n);
     for (int i = 0; i < n; i++)
         put_case(&h, &r[i]);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/replay/compare.h"
 #include "host_sim/trial/bench/controller.h"
@@ -36,6 +37,13 @@ int verdict_settings(const struct trial_case *c, struct metric_setting *s)
     return n;
 }
 
+void verdict_truths(const struct trial_case *c, struct metric_setting *s)
+{
+    static const enum metric_kind kind[BENCH_TRUTHS] = {METRIC_PEAK_FORCE, METRIC_IMPACT_SPEED};
+    for (int i = 0; i < BENCH_TRUTHS; i++)
+        s[i] = (struct metric_setting){.kind = kind[i], .signal = -1, .to_s = c->over_s};
+}
+
 static bool holds(enum trial_operator op, double value, double limit)
 {
     bool equal = !(value < limit) && !(value > limit);
@@ -55,25 +63,6 @@ static bool holds(enum trial_operator op, double value, double limit)
     }
 }
 
-static void name_faults(unsigned faults, char *text, size_t size)
-{
-    static const char *const name[] = {"not_finite", "budget",  "ledger", "overrun",
-                                       "bus",        "timeout", "assert", "self_test"};
-    size_t n = 0;
-    for (int i = 0; i < 8 && n < size; i++)
-        if (faults >> i & 1u)
-            n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", name[i]);
-}
-
-/* The causes of what was refused, from the counters. */
-static void name_refusals(const uint32_t *count, char *text, size_t size)
-{
-    size_t n = 0;
-    for (int i = DIAG_CRC; i <= DIAG_SELF_TEST && n < size; i++)
-        if (count[i] && i != DIAG_LOST)
-            n += (size_t)snprintf(text + n, size - n, "%s%u %s", n ? ", " : "", count[i], diag_name[i].name);
-}
-
 /* Four digits are enough for people; the report for programs has all. */
 static void write_value(double value, const char *unit, char text[UNIT_TEXT])
 {
@@ -89,9 +78,9 @@ static void describe(const struct evidence *e, const struct measurement *m, stru
     const struct metric_value *v = &o->value;
     metric_unit(e->model, what->kind, what->signal, unit);
     if (what->kind == METRIC_FAULTS)
-        name_faults(e->faults, more, sizeof more);
+        trouble_faults(e->faults, more, sizeof more);
     if (what->kind == METRIC_REFUSED)
-        name_refusals(e->count, more, sizeof more);
+        trouble_refusals(e->count, more, sizeof more);
     if (v->known && isfinite(v->value))
         write_value(v->value, unit, value);
     if (!v->known && m->untold)
@@ -128,6 +117,8 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
                    struct bench_result *r)
 {
     r->hash = e->hash;
+    r->faults = e->faults;
+    memcpy(r->count, e->count, sizeof r->count);
     for (int i = 0; i < n && r->verdict != VERDICT_ERROR; i++) {
         struct trial_expect own = {.what = m[i].set};
         snprintf(own.text, sizeof own.text, "%s == 0 (every case, unless it names it)",

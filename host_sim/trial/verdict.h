@@ -5,7 +5,7 @@
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/trial/bench/bench.h"
 
-enum { VERDICT_MEASUREMENTS = TRIAL_EXPECTS + BENCH_IMPLICIT };
+enum { VERDICT_MEASUREMENTS = TRIAL_EXPECTS + BENCH_IMPLICIT + BENCH_TRUTHS };
 
 /* A run shows this beside its measurements. */
 struct evidence {
@@ -20,7 +20,10 @@ struct evidence {
  * case's expects, then those that every case has. Returns how many. */
 int verdict_settings(const struct trial_case *c, struct metric_setting *s);
 
-/* Outcomes, verdict and hash into *r, from the n measurements of verdict_settings. */
+/* Settings s[BENCH_TRUTHS] of what is told of the whole run, whatever the case expects. */
+void verdict_truths(const struct trial_case *c, struct metric_setting *s);
+
+/* Outcomes, verdict, counters and hash into *r, from the n measurements of verdict_settings. */
 void verdict_judge(const struct evidence *e, const struct trial_case *c, struct measurement *m, int n,
                    struct bench_result *r);
 

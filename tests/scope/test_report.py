@@ -15,7 +15,8 @@ import time
 
 from chromium import Chromium
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+here = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(here, "../house"))
 from verdicts import check, conclude  # noqa: E402
 
 program = os.path.abspath(sys.argv[1])
@@ -71,6 +72,9 @@ def looks(browser, path, name, words):
     fits = tab.run("document.documentElement.scrollWidth")
     check(f"{name}: fits the paper", fits <= 688, f"{fits} px")
     tab.call("Emulation.setEmulatedMedia", media="")
+    tab.size(390, 844)
+    fits = tab.run("document.documentElement.scrollWidth")
+    check(f"{name}: fits a phone", fits <= 390, f"{fits} px")
     tab.size(1000, 800)
     pdf = base64.b64decode(tab.call("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
     boxes = set(re.findall(rb"/MediaBox\s*\[\s*0 0 ([\d.]+) ([\d.]+)", pdf))
@@ -302,6 +306,40 @@ def trial(browser, folder):
     looks(browser, page, "test", ["Verdicts", "contact_loss == 0 %", "failed at"])
 
 
+def runaway(browser, folder):
+    """A drive beyond the bus's range: what the report says against the rows, the events and the metric."""
+    test, page, again = (os.path.join(folder, n) for n in ("away.test", "away.html", "away_log.html"))
+    with open(test, "w") as file:
+        file.write(f"""[plant]
+scene = rig
+[controller]
+command = /usr/bin/python3 {here}/../trial/controller.py {{plant}} {{me}} idle
+[case away]
+over = 2 s
+at 1 s    arm force amplitude=3000 N frequency=60 Hz ramp=0.2 s
+expect    peak_force <= 1 N
+""")
+    told = run("test", test, "--log", folder, "--report", page, status=1).stdout
+    words = [s["text"] for s in data_of(page)["sections"] if s["kind"] == "words"]
+    peak = re.search(r"peak_force <= 1 N: it was (.*? kN)", told).group(1)
+    check("away: the report has the plant's own peak", any(f"Largest force of the run, by the plant itself: {peak}" in w for w in words), peak)
+    out, events, log = (os.path.join(folder, n) for n in ("away.csv", "away_events.csv", "away.away.log"))
+    run("decode", log, "rig", "--out", out, "--events", events, "--report", again, "--svg", os.path.join(folder, "away.svg"))
+    rows, data = table(out), data_of(again)
+    words = [s["text"] for s in data["sections"] if s["kind"] == "words"]
+    peaks = [e["peak_force [N]"] for e in table(events) if e["kind"] == "liftoff"]
+    wanted = f"The largest force was at least 4194 N: {peaks.count('')} of {len(peaks)} peaks were beyond the bus's range."
+    check("away: peaks beyond the range are counted", wanted in words and 0 < peaks.count("") < len(peaks), wanted)
+    empty = sum(not r["displacement [m]"] and r["in_contact"] != "" for r in rows)
+    wanted = f"{empty} of {len(rows)} rows have no displacement: it was beyond the bus's range of 419 um."
+    check("away: rows beyond the range are counted", wanted in words and empty > 100, wanted)
+    spans = [layer["ends"] for layer in charts(data)["displacement"]["layers"] if layer["kind"] == "span"]
+    marked = [any(a <= float(r["t_s"]) <= b for a, b in spans) for r in rows]
+    check("away: what has no displacement is marked", all(m or r["displacement [m]"] or not r["in_contact"] for m, r in zip(marked, rows)) and not all(marked), len(spans))
+    check("away: the headline says that nothing else went wrong", any("nothing was refused" in w for w in words), words[0])
+    looks(browser, again, "away", ["beyond the bus's range", "beyond the range"])
+
+
 def refused(folder):
     out, scene = os.path.join(folder, "x.csv"), os.path.join(folder, "x.ini")
     with open(scene, "w") as file:
@@ -330,6 +368,7 @@ with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
     choose(browser, folder)
     log(browser, folder)
     trial(browser, folder)
+    runaway(browser, folder)
     demo(browser, folder, child)
     refused(folder)
 conclude()

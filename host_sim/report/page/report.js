@@ -67,10 +67,29 @@ function columnsOf(chart, l) {
 }
 
 function bounds(s) {
-  const own = s.layers.filter((l) => l.kind !== "marker");
+  const own = s.layers.filter((l) => l.kind !== "marker" && l.kind !== "span");
   const x = extremes(own.flatMap((l) => l.ends || [...l.x, ...(l.end || [])]));
   const y = extremes(own.flatMap((l) => l.kind === "open" ? [0, 1] : l.kind === "band" ? [...l.low, ...l.high] : l.y));
   return {x, y: own.every((l) => l.kind === "open") ? [0, 1] : rangeOf(...y)};
+}
+
+/* The share of open contact in each pixel column: the mean of the parts in it. Nothing is drawn where it is not known. */
+function drawShares(chart, l) {
+  const n = chart.columns(), parts = l.share.length, c = chart.c;
+  const at = (px) => (chart.xAt(px) - l.ends[0]) / (l.ends[1] - l.ends[0]) * parts;
+  for (let k = 0; k < n; k++) {
+    const a = at(chart.left + k), b = at(chart.left + k + 1);
+    if (b <= 0 || a >= parts)
+      continue;
+    const own = l.share.slice(max(0, floor(a)), max(floor(a) + 1, min(parts, ceil(b)))).filter(finite);
+    if (!own.length)
+      continue;
+    const y = round(chart.py(1 - own.reduce((sum, v) => sum + v, 0) / own.length));
+    c.fillStyle = colour("blue");
+    c.fillRect(chart.left + k, y, 1, chart.bottom - y);
+    c.fillStyle = colour("orange");
+    c.fillRect(chart.left + k, chart.top, 1, y - chart.top);
+  }
 }
 
 function drawLayer(chart, l, ink) {
@@ -78,13 +97,9 @@ function drawLayer(chart, l, ink) {
     const {low, high} = columnsOf(chart, l);
     chart.band(low, high, ink);
   } else if (l.kind === "open")
-    l.share.forEach((share, i) => {
-      const at = (k) => chart.px(l.ends[0] + (l.ends[1] - l.ends[0]) * k / l.share.length), a = at(i), b = at(i + 1);
-      for (const [from, to, name] of [[0, 1 - share, "blue"], [1 - share, 1, "orange"]]) {
-        chart.c.fillStyle = colour(name);
-        chart.c.fillRect(a, chart.py(to), max(1, b - a + 0.3), chart.py(from) - chart.py(to));
-      }
-    });
+    drawShares(chart, l);
+  else if (l.kind === "span")
+    chart.span(l.ends[0], l.ends[1], "red", 0.2);
   else if (l.kind === "marker")
     chart.marker(l.x[0], "red", l.name);
   else if (l.kind === "points")
@@ -96,7 +111,7 @@ function drawLayer(chart, l, ink) {
 /* What a layer says at the cursor. */
 function valueAt(l, x, unit) {
   const xs = l.x || [];
-  if (!finite(x) || l.kind === "marker" || l.kind === "open" || !xs.length)
+  if (!finite(x) || l.kind === "marker" || l.kind === "span" || l.kind === "open" || !xs.length)
     return "";
   let i = 0;
   for (let k = 0; k < xs.length; k++)
@@ -116,7 +131,7 @@ function drawChart(c) {
   range.x = s.log ? [x[0] / 1.3, x[1] * 1.3] : x[1] > x[0] && !plane ? x : rangeOf(...x);
   chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title + (s.log ? ", power of ten" : ""), xLabel: s.x_name,
     bare: strip, log: s.log});
-  const named = s.layers.filter((l) => l.kind !== "marker" && l.kind !== "open");
+  const named = s.layers.filter((l) => !["marker", "open", "span"].includes(l.kind)), span = s.layers.find((l) => l.kind === "span");
   const ink = (l) => INKS[[...new Set(named.map((k) => k.name))].indexOf(l.name) % INKS.length];
   for (const l of s.layers)
     drawLayer(chart, l, ink(l));
@@ -126,6 +141,8 @@ function drawChart(c) {
   for (const l of named)
     if (!seen.has(l.name) || finite(c.cursor))
       seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log ? "log" : s.unit)).trim(), ink(l)]);
+  if (span)
+    entries.push([span.name, "red"]);
   chart.legend(entries);
   chart.end();
   canvas.ariaLabel = s.title + " over " + s.x_name + (strip ? "" : ", from " +

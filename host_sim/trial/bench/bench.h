@@ -10,6 +10,7 @@ enum verdict { VERDICT_OK, VERDICT_UNTESTED, VERDICT_FAIL, VERDICT_ERROR };
 
 enum {
     BENCH_IMPLICIT = 4,
+    BENCH_TRUTHS = 2, /* the largest force and the hardest impact of a run */
     BENCH_TEXT = 320,
     BENCH_PATH = 4096,
     BENCH_START_S = 2, /* seconds of the bus, within which plant time must run */
@@ -36,6 +37,10 @@ struct bench_result {
     char log[BENCH_PATH];     /* the recording, or "" */
     double plant_s, took_s;
     uint64_t hash;
+    uint32_t count[DIAG_COUNTERS];
+    unsigned faults; /* ever latched, but for a time-out */
+    struct metric_value
+        truth[BENCH_TRUTHS]; /* by the plant itself; unknown: it has no contacts, or runs elsewhere */
     int n;
     struct outcome outcome[TRIAL_EXPECTS + BENCH_IMPLICIT + 1]; /* and the golden log's */
 };

@@ -135,7 +135,9 @@ static void begin_measurements(struct bench_plant *p, const struct trial_case *c
     const struct plant *pl = &p->scene.app.plant;
     struct metric_setting set[VERDICT_MEASUREMENTS];
     uint32_t read = 0;
-    p->n = verdict_settings(c, set);
+    p->n = p->n_judged = verdict_settings(c, set);
+    verdict_truths(c, &set[p->n]);
+    p->n += p->see->n_contacts > 0 ? BENCH_TRUTHS : 0;
     p->regime = pl->regime;
     p->contact.open = true;
     for (int i = 0; i < p->n; i++) {
@@ -443,5 +445,7 @@ void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct
     const struct plant *pl = &p->scene.app.plant;
     const struct evidence e = {p->see, plant_time(pl), pl->model ? plant_hash(pl) : 0, p->faults,
                                p->scene.app.count};
-    verdict_judge(&e, c, p->measurement, p->n, r);
+    verdict_judge(&e, c, p->measurement, p->n_judged, r);
+    for (int i = p->n_judged; i < p->n; i++)
+        measurement_end(&p->measurement[i], e.now_s, 0, &r->truth[i - p->n_judged]);
 }

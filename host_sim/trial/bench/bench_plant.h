@@ -19,7 +19,7 @@ struct bench_plant {
     uint32_t switches;         /* that were told to the measurements */
     unsigned regime;           /* after the last of them */
     struct metric_block block; /* ticks that the readers have not been told */
-    int n;
+    int n, n_judged;           /* measurements: those of the verdict, then those of the whole run */
     struct measurement measurement[VERDICT_MEASUREMENTS];
     int n_readers;
     struct measurement *reader[VERDICT_MEASUREMENTS]; /* those of signals, which ticks tell */

@@ -77,6 +77,20 @@ void device_wire_begin(struct device_wire *w, const struct trial_case *c, bool c
 
 /* ---- hearing ---- */
 
+/* The bus could not say this value: a measurement in whose window it fell knows less than its verdict needs.
+ */
+static void note_beyond(struct measurement *m, double t_s)
+{
+    if (!m->untold && t_s >= m->set.from_s && t_s <= m->set.to_s)
+        m->untold = "a value was beyond the bus's range";
+}
+
+static bool is_beyond(enum metric_kind kind, const struct event *e)
+{
+    return (kind == METRIC_PEAK_FORCE && !e->touch && isnan(e->peak_force)) ||
+           (kind == METRIC_IMPACT_SPEED && e->touch && isnan(e->speed));
+}
+
 static void take_event(void *context, const struct decode_event *d)
 {
     struct device_wire *w = context;
@@ -95,6 +109,8 @@ static void take_event(void *context, const struct decode_event *d)
     for (int k = 0; k < p->n; k++) {
         measurement_switch(&p->measurement[k], ticks * pl->tick_s, p->regime == 0);
         measurement_event(&p->measurement[k], &e);
+        if (is_beyond(p->measurement[k].set.kind, &e))
+            note_beyond(&p->measurement[k], ticks * pl->tick_s);
     }
 }
 
@@ -113,9 +129,13 @@ static void take_row(struct device_wire *w, const struct decode_row *r)
         value[m->n_outputs + i] = isnan(r->value[DECODE_OUTPUTS + i]) ? 0.0 : r->value[DECODE_OUTPUTS + i];
     w->now_s = (double)(r->tick - w->zero) * p->scene.app.plant.tick_s;
     for (int k = 0; k < p->n; k++) {
-        enum metric_of of = metric_table[p->measurement[k].set.kind].of;
-        if (of == OF_SIGNAL || of == OF_TARGET)
-            measurement_tick(&p->measurement[k], r->tick - w->zero, value);
+        struct measurement *q = &p->measurement[k];
+        enum metric_of of = metric_table[q->set.kind].of;
+        if (of != OF_SIGNAL && of != OF_TARGET)
+            continue;
+        measurement_tick(q, r->tick - w->zero, value);
+        if (q->set.signal < DECODE_OUTPUTS && r->beyond >> q->set.signal & 1u)
+            note_beyond(q, w->now_s);
     }
 }
 
@@ -234,5 +254,5 @@ void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool k
         if (metric_table[p->measurement[k].set.kind].of == OF_CONTACTS && w->not_sent > 0.0)
             p->measurement[k].untold = w->not_heard;
     const struct evidence e = {p->scene.config.model, w->now_s, 0, w->faults, w->count};
-    verdict_judge(&e, c, p->measurement, p->n, r);
+    verdict_judge(&e, c, p->measurement, p->n_judged, r);
 }

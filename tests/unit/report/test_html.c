@@ -28,6 +28,7 @@ static char *data_of_report(char *page, size_t size)
     html_line(&h, HTML_STEPS, "l", 2, x, y);
     html_band(&h, "b", 2, x, 0.2, 0.5, x, high);
     html_open(&h, 2, 0.0, 1.0, x);
+    html_span(&h, "s", 0.0, 0.1);
     html_marker(&h, 0.1, "%s", "m");
     html_text(&h, "s", "line\n");
     const char *why = html_end(&h);
@@ -57,6 +58,7 @@ TEST(html_data_as_by_hand)
         "{\"kind\":\"band\",\"name\":\"b\",\"period\":[0.5],\"x\":[0,0.10000000000000001],"
         "\"end\":[0.20000000000000001],\"low\":[0,0.10000000000000001],\"high\":[2,3]},\n"
         "{\"kind\":\"open\",\"name\":\"open\",\"ends\":[0,1],\"share\":[0,0.10000000000000001]},\n"
+        "{\"kind\":\"span\",\"name\":\"s\",\"ends\":[0,0.10000000000000001]},\n"
         "{\"kind\":\"marker\",\"x\":[0.10000000000000001],\"name\":\"m\"}]}\n"
         ",{\"kind\":\"text\",\"title\":\"s\",\"text\":\"line\\u000a\"}\n]}\n</script>\n<script>\n"};
     enum { SIZE = 100000 };
