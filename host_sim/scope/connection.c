@@ -28,14 +28,17 @@ const char connection_no_room[] =
     "503 Service Unavailable: every connection of the scope is taken; close one "
     "and try again\n";
 
-void connection_begin(struct connection *c, int socket)
+void connection_begin(struct connection *c, int socket, uint32_t address)
 {
     struct sockaddr_in at = {0};
     socklen_t size = sizeof at;
     const int room = CONNECTION_SEND_BUFFER;
     c->state = CONNECTION_READS;
     c->socket = socket;
-    c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
+    c->address = address;
+    c->is_half_closed = false;
+    c->since_s = clock_now_s();
+    c->until_s = c->since_s + CONNECTION_PATIENCE_S;
     c->body = "";
     c->n_request = c->drained = c->n_first = c->first_sent = c->n_body = c->body_sent = 0;
     (void)setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
@@ -87,9 +90,27 @@ static void answer_file(struct connection *c, const struct page_file *f, bool he
     begin_answer(c);
 }
 
+/* NULL: one more stream may begin for the client. */
+static const char *no_stream(const struct connection *c, const struct site *s)
+{
+    uint32_t own = 0;
+    for (int i = 0; i < s->n_connections; i++)
+        own += s->connection[i].state == CONNECTION_STREAMS && s->connection[i].address == c->address;
+    if (s->streams >= s->streams_most)
+        return "all streams of the scope are taken; close a page that shows it and try again";
+    return own < s->streams_of_one ? NULL
+                                   : "this address has all streams that one may have; close a page that "
+                                     "shows the scope and try again";
+}
+
 static void answer_stream(struct connection *c, struct site *s, bool head)
 {
     struct json j;
+    const char *why = head ? NULL : no_stream(c, s);
+    if (why) {
+        answer_sentence(c, HTTP_FULL, why, false);
+        return;
+    }
     json_begin(&j, c->first, sizeof c->first);
     json_put(&j, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n%r\r\n", ALWAYS);
     begin_answer(c);
@@ -192,15 +213,24 @@ static void read_scraps(struct connection *c, struct site *s)
     ssize_t n = recv(c->socket, scrap, sizeof scrap, 0);
     bool is_alive = n > 0 || (n < 0 && (errno == EAGAIN || errno == EINTR));
     c->drained += n > 0 ? (size_t)n : 0;
-    bool half_closed = n == 0 && c->state == CONNECTION_ANSWERS; /* it may still read */
-    if (half_closed)
-        return;
-    if (!is_alive || c->drained > CONNECTION_DRAIN)
+    if (n == 0 && (c->state == CONNECTION_ANSWERS || c->state == CONNECTION_COMMANDS)) {
+        c->is_half_closed = true; /* it may still read */
+        c->ask_s = clock_now_s();
+    } else if (!is_alive || c->drained > CONNECTION_DRAIN)
         connection_close(c, s);
+}
+
+bool connection_listens(const struct connection *c)
+{
+    return c->state != CONNECTION_FREE && !c->is_half_closed;
 }
 
 void connection_hear(struct connection *c, struct site *s)
 {
+    if (c->is_half_closed) {
+        connection_close(c, s); /* only its reset wakes us */
+        return;
+    }
     if (c->state == CONNECTION_READS)
         read_request(c, s);
     else if (c->state != CONNECTION_FREE)
@@ -274,6 +304,16 @@ static void turn_stream(struct connection *c, struct site *s)
         connection_close(c, s);
 }
 
+/* A client that has left answers an empty line with a reset. */
+static void ask_whether_there(struct connection *c)
+{
+    double now = clock_now_s();
+    if (!c->is_half_closed || c->n_first > 0 || now < c->ask_s)
+        return;
+    c->first[c->n_first++] = '\n';
+    c->ask_s = now + CONNECTION_ASK_S;
+}
+
 /* More of what the command says, once all before is sent. A browser that takes nothing is no listener. */
 static void turn_command(struct connection *c, struct site *s)
 {
@@ -282,6 +322,8 @@ static void turn_command(struct connection *c, struct site *s)
         c->first_sent = 0;
         c->n_first = control_hear(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
         c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
+        if (!over)
+            ask_whether_there(c);
     }
     if (over)
         begin_answer(c);
@@ -297,6 +339,10 @@ static void turn_answer(struct connection *c, struct site *s)
     }
     if (c->first_sent < c->n_first || c->body_sent < c->n_body)
         return;
+    if (c->is_half_closed) {
+        connection_close(c, s);
+        return;
+    }
     (void)shutdown(c->socket, SHUT_WR);
     c->state = CONNECTION_ENDS;
     c->until_s = clock_now_s() + CONNECTION_GOODBYE_S;

@@ -1,5 +1,8 @@
 /* connection.h - one client of the server: its request, the answer, and the stream of events. It never waits.
  *
+ * A client that ends its side of the connection gets its whole answer. While it waits for what a command
+ * says, an empty line each second asks whether it is still there.
+ *
  * Every stream says the same. The text stands in one ring, and each connection has a place in it. A client
  * that falls behind by the whole ring is dropped. So is one that takes nothing for CONNECTION_PATIENCE_S
  * while something waits. */
@@ -24,14 +27,19 @@ enum {
 
 #define CONNECTION_PATIENCE_S 5.0 /* for a request to come, and for a byte to be taken */
 #define CONNECTION_GOODBYE_S  1.0 /* for a client that was answered to hang up */
+#define CONNECTION_ASK_S      1.0 /* between two empty lines to a client that has ended its side */
 
 /* Shared by all connections. */
 struct site {
     char bound[CONNECTION_ADDRESS]; /* the address that the server listens at */
     uint16_t port;
     char ring[SITE_RING];
-    uint64_t written;                             /* bytes ever written into the ring */
-    uint32_t streams, dropped;                    /* open now; slow readers that were ended */
+    uint64_t written;                    /* bytes ever written into the ring */
+    uint32_t streams, dropped;           /* open now; slow readers that were ended */
+    uint32_t streams_most;               /* that may be open at a time, ... */
+    uint32_t streams_of_one;             /* ... and of one address */
+    const struct connection *connection; /* all of the server, to count the streams of an address */
+    int n_connections;
     void (*greet)(void *context, struct json *j); /* writes what a new stream hears first */
     void *context;
     struct control control; /* without a token: no command is taken */
@@ -47,7 +55,10 @@ struct connection {
         CONNECTION_ENDS
     } state;
     int socket;
-    double until_s;                 /* the end of its time, unless something goes on */
+    double since_s, until_s;        /* when it came; the end of its time, unless something goes on */
+    bool is_half_closed;            /* the client says nothing more */
+    double ask_s;                   /* when such a client is asked again whether it is there */
+    uint32_t address;               /* the client's, of IPv4, in network order */
     char local[CONNECTION_ADDRESS]; /* the address by which it came in */
     char request[HTTP_REQUEST];
     size_t n_request, drained;
@@ -60,10 +71,13 @@ struct connection {
     uint32_t command; /* its number; see control.h */
 };
 
-/* A client that has just come, on a socket that does not block. */
-void connection_begin(struct connection *c, int socket);
+/* A client that has just come from this address (IPv4, in network order), on a socket that does not block. */
+void connection_begin(struct connection *c, int socket, uint32_t address);
 
-/* Something came from it: data or its end. */
+/* True where data from it are of interest: it is there and has not ended its side. */
+bool connection_listens(const struct connection *c);
+
+/* Something came from it: data, its end, or a reset. */
 void connection_hear(struct connection *c, struct site *s);
 
 /* Sends what waits, and ends what has had its time. */

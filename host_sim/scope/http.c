@@ -146,13 +146,19 @@ static bool take_text(char to[HTTP_HOST], struct text value)
     return true;
 }
 
+/* NAME, NAME:PORT or [ADDRESS]:PORT: the last colon has nothing but digits behind it, and only an address in
+ * brackets has further ones. */
 static bool take_host(struct http_request *r, struct text value)
 {
     struct text host = value;
-    for (const char *p = value.end; p > value.at && p[-1] != ']'; p--)
-        if (p[-1] == ':')
-            host.end = p - 1;
-    return take_text(r->host, host) && take_text(r->authority, value);
+    const char *digits = value.end;
+    while (digits > value.at && digits[-1] >= '0' && digits[-1] <= '9')
+        digits--;
+    if (digits > value.at && digits[-1] == ':')
+        host.end = digits - 1;
+    bool has_colon = memchr(host.at, ':', (size_t)(host.end - host.at)) != NULL;
+    bool is_bracketed = host.end - host.at > 2 && *host.at == '[' && host.end[-1] == ']';
+    return has_colon == is_bracketed && take_text(r->host, host) && take_text(r->authority, value);
 }
 
 /* Bearer and a token; anything else is no token. */
@@ -168,7 +174,8 @@ static bool take_token(struct http_request *r, struct text value)
 /* Digits, so few that they do not overflow. */
 static bool take_length(struct http_request *r, struct text value)
 {
-    bool good = r->n_body == 0 && value.at < value.end && value.end - value.at < 10;
+    bool good = !r->has_length && value.at < value.end && value.end - value.at < 10;
+    r->has_length = true;
     for (; good && value.at < value.end; value.at++) {
         good = *value.at >= '0' && *value.at <= '9';
         r->n_body = 10 * r->n_body + (size_t)(*value.at - '0');

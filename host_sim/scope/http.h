@@ -43,6 +43,7 @@ struct http_request {
     char origin[HTTP_HOST];    /* Origin, lower case */
     char token[HTTP_TOKEN];    /* Authorization: Bearer TOKEN, with zeros behind */
     const char *body;          /* among the bytes */
+    bool has_length;           /* Content-Length was there */
     size_t n_body;
 };
 

@@ -55,6 +55,10 @@ bool server_open(struct server *s, const char *at, char *why)
         return false;
     }
     s->site.port = ntohs(a.sin_port);
+    s->site.connection = s->connection;
+    s->site.n_connections = SERVER_CONNECTIONS;
+    s->site.streams_most = SERVER_STREAMS;
+    s->site.streams_of_one = SERVER_STREAMS / 2;
     return inet_ntop(AF_INET, &a.sin_addr, s->site.bound, sizeof s->site.bound) != NULL;
 }
 
@@ -69,31 +73,81 @@ void server_describe(const struct server *s, char *text)
     snprintf(text, SERVER_REASON, "http://%s:%u/", every ? "127.0.0.1" : s->site.bound, s->site.port);
 }
 
-/* One that there is no room for gets its answer, if the kernel takes it at once. */
-static void turn_away(struct server *s, int socket)
+/* ---- places ---- */
+
+static bool may_lose(const struct connection *c)
 {
-    char request[HTTP_REQUEST];
+    return c->state == CONNECTION_READS || c->state == CONNECTION_ENDS || c->state == CONNECTION_ANSWERS;
+}
+
+static int places_of(const struct server *s, uint32_t address)
+{
+    int n = 0;
+    for (int i = 0; i < SERVER_CONNECTIONS; i++)
+        n += s->connection[i].state != CONNECTION_FREE && s->connection[i].address == address;
+    return n;
+}
+
+/* Whether a loses its place before b: its address has more places. With as many, b is being answered and a is
+ * not, or a came earlier. */
+static bool goes_first(const struct server *s, const struct connection *a, const struct connection *b)
+{
+    int of_a = places_of(s, a->address), of_b = places_of(s, b->address);
+    bool answered_a = a->state == CONNECTION_ANSWERS, answered_b = b->state == CONNECTION_ANSWERS;
+    if (of_a != of_b)
+        return of_a > of_b;
+    return answered_a != answered_b ? answered_b : a->since_s < b->since_s;
+}
+
+/* One whose place a newer client takes hears so, if it was not answered and the kernel takes it at once. */
+static void turn_away(struct server *s, struct connection *c)
+{
     s->refused++;
-    (void)recv(socket, request, sizeof request, 0);
-    (void)send(socket, connection_no_room, strlen(connection_no_room), MSG_NOSIGNAL);
-    close(socket);
+    if (c->state == CONNECTION_READS)
+        (void)send(c->socket, connection_no_room, strlen(connection_no_room), MSG_NOSIGNAL);
+    connection_close(c, &s->site);
+}
+
+/* A free place, or the one that is made free. */
+static struct connection *make_place(struct server *s)
+{
+    struct connection *last = NULL;
+    for (int i = 0; i < SERVER_CONNECTIONS; i++) {
+        struct connection *c = &s->connection[i];
+        if (c->state == CONNECTION_FREE)
+            return c;
+        if (may_lose(c) && (!last || goes_first(s, c, last)))
+            last = c;
+    }
+    if (last)
+        turn_away(s, last);
+    return last;
+}
+
+/* A request that has come already is read and answered at once: then it needs its place no more. */
+static void take_client(struct server *s, int socket, uint32_t address)
+{
+    struct connection *c = make_place(s);
+    if (!c) { /* streams and commands leave some free */
+        close(socket);
+        return;
+    }
+    connection_begin(c, socket, address);
+    connection_hear(c, &s->site);
+    connection_turn(c, &s->site);
 }
 
 static void take_clients(struct server *s)
 {
-    int i = 0;
     for (int n = 0; n < SERVER_ACCEPTS; n++) {
-        int socket = accept4(s->socket, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        struct sockaddr_in from = {0};
+        socklen_t size = sizeof from;
+        int socket = accept4(s->socket, (struct sockaddr *)&from, &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
         if (socket < 0) {
             s->rests = errno != EAGAIN && errno != EINTR && errno != ECONNABORTED;
             return;
         }
-        while (i < SERVER_CONNECTIONS && s->connection[i].state != CONNECTION_FREE)
-            i++;
-        if (i < SERVER_CONNECTIONS)
-            connection_begin(&s->connection[i], socket);
-        else
-            turn_away(s, socket);
+        take_client(s, socket, from.sin_addr.s_addr);
     }
 }
 
@@ -103,7 +157,8 @@ void server_turn(struct server *s, int ms)
     for (int i = 0; i < SERVER_CONNECTIONS; i++) {
         struct connection *c = &s->connection[i];
         connection_turn(c, &s->site);
-        p[i] = (struct pollfd){.fd = c->state == CONNECTION_FREE ? -1 : c->socket, .events = POLLIN};
+        p[i] = (struct pollfd){.fd = c->state == CONNECTION_FREE ? -1 : c->socket,
+                               .events = connection_listens(c) ? POLLIN : 0};
     }
     p[SERVER_CONNECTIONS] = (struct pollfd){.fd = s->rests ? -1 : s->socket, .events = POLLIN};
     s->rests = false;

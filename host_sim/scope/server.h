@@ -1,4 +1,8 @@
-/* server.h - the page and its events over HTTP: a fixed number of connections, and nobody is waited for. */
+/* server.h - the page and its events over HTTP: a fixed number of connections, and nobody is waited for.
+ *
+ * A new client always finds a place. When all are taken, the address that has most of them loses its oldest
+ * connection that has neither a stream nor a command. Streams take at most SERVER_STREAMS places, and those
+ * of one address half as many: whoever keeps connections open denies nobody a command or a page. */
 #ifndef HOST_SIM_SERVER_H
 #define HOST_SIM_SERVER_H
 
@@ -8,8 +12,9 @@
 #include "host_sim/scope/connection.h"
 
 enum {
-    SERVER_CONNECTIONS = 64, /* requests and streams at a time; further ones are told so and closed */
-    SERVER_ACCEPTS = 256,    /* connections taken in one turn */
+    SERVER_CONNECTIONS = 256, /* requests and streams at a time; memory is taken by those in use */
+    SERVER_STREAMS = 48,
+    SERVER_ACCEPTS = 256, /* connections taken in one turn */
     SERVER_REASON = 256
 };
 
@@ -18,7 +23,7 @@ struct server {
     bool rests; /* no connection could be taken: none is asked for in the next turn */
     struct site site;
     struct connection connection[SERVER_CONNECTIONS];
-    uint32_t refused; /* connections for which there was no room */
+    uint32_t refused; /* connections whose place another one took */
 };
 
 /* Listens at "ADDRESS:PORT" or "PORT" of IPv4; port 0: the kernel chooses. False: why[SERVER_REASON] says

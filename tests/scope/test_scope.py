@@ -358,8 +358,44 @@ def test_thousand(http):
         late += answer.startswith(b"HTTP/1.1 408 ")
         s.close()
     verdict("1000 connections: %d served, %d told that there is no room, %d that they came late" % (served, full, late),
-            served + full + late == 1000 and full > 0)
+            served + full + late == 1000 and served > 0)
     answers(http, "and afterwards", request(), 200)
+
+
+def crowded(http, stop):
+    """80 connections that say nothing and come again, until `stop`."""
+    crowd = []
+    while not stop.is_set():
+        try:
+            s = socket.create_connection(("127.0.0.1", http), LONG)
+            crowd.append(s)
+        except OSError:
+            pass
+        if len(crowd) >= 80:
+            crowd.pop(0).close()
+    for s in crowd:
+        s.close()
+
+
+def test_crowd(http, token):
+    """Whoever keeps all places for himself denies nobody a page or a command, and gets no more than his streams."""
+    streams = [connect(http) for _ in range(60)]
+    for s in streams:
+        s.sendall(request("/events"))
+    told = [s.recv(4096) for s in streams]
+    given = sum(t.startswith(b"HTTP/1.1 200 ") for t in told)
+    full = sum(b"this address has all streams that one may have" in t for t in told)
+    verdict("60 streams of one address: %d given, %d told why not" % (given, full), given in (23, 24) and given + full == 60)
+    stop = threading.Event()
+    crowd = threading.Thread(target=crowded, args=(http, stop))
+    crowd.start()
+    pages = sum(ask(http, request()).startswith(b"HTTP/1.1 200 ") for _ in range(100))
+    commands = sum(body_of(ask(http, post("read mass_kg", token))).endswith("exit 0\n") for _ in range(5))
+    stop.set()
+    crowd.join()
+    verdict("beside 80 connections that come again and again: %d of 100 pages, %d of 5 commands" % (pages, commands), pages == 100 and commands == 5)
+    for s in streams:
+        s.close()
 
 
 # ---- the plant does not notice ----
@@ -508,6 +544,28 @@ def test_control():
     answer = body_of(ask(http, post("pause", token, more="Origin: http://%s\r\n" % at(9))))
     verdict("a later one, from the page's own address", answer == "CONTROL: ok\nexit 0\n", answer)
     verdict("ends the one before", b"ended by a later command" in rest_of(holder))
+    first, second = connect(http), connect(http)
+    first.sendall(post("enable --hold 60", token))
+    until(lambda: len(senders(p)) == 1)
+    stubborn = senders(p)[0]
+    os.kill(stubborn, signal.SIGSTOP)  # a process that is stopped ignores SIGTERM
+    second.sendall(post("enable --hold 61", token))
+    verdict("a command that ignores its end is killed", until(lambda: senders(p) and stubborn not in senders(p)))
+    later = senders(p)
+    first.close()
+    time.sleep(0.3)
+    verdict("the end of the first one's connection leaves the later one at work", senders(p) == later, (senders(p), later))
+    second.close()
+    until(lambda: not senders(p))
+    answer = body_of(ask(http, post("read mass_kg", token), half_close=True)).strip("\n")
+    verdict("a client that ends its side gets its answer", answer.endswith("exit 0"), answer)
+    holder = connect(http)
+    holder.sendall(post("enable --hold 60", token))
+    until(lambda: len(senders(p)) == 1)
+    holder.recv(65536)
+    holder.close()
+    verdict("a command ends with its browser, which had read all", until(lambda: not senders(p)))
+    test_crowd(http, token)
     holder = connect(http)
     holder.sendall(post("enable --hold 60", token))
     verdict("one more", until(lambda: len(senders(p)) == 1))

@@ -32,7 +32,10 @@ static void begin_request(const char *request)
     client = pair[1];
     for (int i = 0; i < 2; i++)
         (void)fcntl(pair[i], F_SETFL, O_NONBLOCK);
-    connection_begin(connection, pair[0]);
+    site->streams_most = site->streams_of_one = 1;
+    site->connection = connection;
+    site->n_connections = 1;
+    connection_begin(connection, pair[0], 0);
     check_int("the request goes", (int)write(client, request, strlen(request)), (int)strlen(request));
     connection_hear(connection, site);
 }
@@ -137,5 +140,60 @@ TEST(connection_answers_and_ends)
     shutdown(client, SHUT_WR);
     connection_hear(connection, site);
     check_int("free", connection->state, CONNECTION_FREE);
+    end_request();
+}
+
+/* A client that was answered and goes on sending is read up to a bound. */
+TEST(connection_endless_body_ends)
+{
+    static char junk[1 << 16];
+    int64_t sent = 0;
+    begin_request("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+    for (int i = 0; i < 1000 && connection->state != CONNECTION_FREE; i++) {
+        ssize_t n = write(client, junk, sizeof junk);
+        sent += n > 0 ? n : 0;
+        connection_hear(connection, site);
+        connection_turn(connection, site);
+    }
+    check_int("ended", connection->state, CONNECTION_FREE);
+    check_is("after all that is read, bytes", sent, >, CONNECTION_DRAIN);
+    check_is("and no more than what lies in the sockets", sent, <, 2 * CONNECTION_DRAIN);
+    end_request();
+}
+
+/* A client that has ended its side gets its answer, and its connection is no stream any more when that has
+ * ended. */
+TEST(connection_half_closed_gets_its_answer)
+{
+    char text[4096] = "";
+    begin_request("GET /nosuch HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    shutdown(client, SHUT_WR);
+    connection_hear(connection, site);
+    check_true("nothing more is read", !connection_listens(connection));
+    connection_turn(connection, site);
+    check_is("an answer", read(client, text, sizeof text - 1), >, 0);
+    check_contains("its status", text, "HTTP/1.1 404 Not Found\r\n");
+    check_int("free", connection->state, CONNECTION_FREE);
+    end_request();
+}
+
+TEST(connection_streams_are_counted)
+{
+    char text[4096] = "";
+    begin_request("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    read_greeting();
+    check_int("streams", (int)site->streams, 1);
+    close(client);
+    connection_hear(connection, site);
+    check_int("when it has left", (int)site->streams, 0);
+    end_request();
+    begin_request("GET /ev");
+    site->streams = 1;
+    check_is("the rest", write(client, "ents HTTP/1.1\r\nHost: localhost\r\n\r\n", 34), ==, 34);
+    connection_hear(connection, site);
+    connection_turn(connection, site);
+    check_is("an answer", read(client, text, sizeof text - 1), >, 0);
+    check_contains("no stream more than allowed", text,
+                   "503 Service Unavailable: all streams of the scope are taken");
     end_request();
 }

@@ -25,6 +25,23 @@ TEST(http_takes_requests)
     check_string("host in lower case", r.host, "localhost");
     check_int("IPv6", parse("GET /x HTTP/1.1\r\nA: b\r\nHost: [::1]:8080\r\n\r\nbody"), HTTP_OK);
     check_string("host with its brackets", r.host, "[::1]");
+    static const char *const strange[] = {"127.0.0.1:80:evil",
+                                          "localhost:evil.example",
+                                          "[::1]:evil.example:80",
+                                          "[::1]:80:80",
+                                          "::1",
+                                          "[::1",
+                                          "localhost:8a",
+                                          "a:b:80",
+                                          ":80"};
+    for (size_t i = 0; i < sizeof strange / sizeof strange[0]; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "GET / HTTP/1.1\r\nHost: %s\r\n\r\n", strange[i]);
+        check_int(strange[i], parse(text), HTTP_BAD);
+    }
+    check_int("two lengths",
+              parse("POST /send/0 HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\nContent-Length: 4\r\n\r\nstop"),
+              HTTP_BAD);
 }
 
 TEST(http_refuses_requests)
