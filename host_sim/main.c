@@ -2,6 +2,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
+#include "host_sim/out/utf8.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -159,11 +160,10 @@ static int unknown(const char *name)
     for (int i = 0; i < COMMANDS; i++)
         names[i] = command[i].name;
     const char *nearest = options_nearest(name, names, COMMANDS);
-    if (nearest)
-        fprintf(stderr, "contactplant: unknown subcommand \"%s\"; did you mean %s? see contactplant --help\n",
-                name, nearest);
-    else
-        fprintf(stderr, "contactplant: unknown subcommand \"%s\"; see contactplant --help\n", name);
+    fputs("contactplant: unknown subcommand \"", stderr);
+    utf8_put_plain(stderr, name);
+    fprintf(stderr, "\"%s%s%s see contactplant --help\n", nearest ? "; did you mean " : ";",
+            nearest ? nearest : "", nearest ? "?" : "");
     return STATUS_MISUSED;
 }
 

@@ -115,9 +115,7 @@ const char *choose_html(const struct choose_certificate *c, const char *path, in
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
     struct html h;
-    char title[TITLE];
-    snprintf(title, sizeof title, "choose %.100s", c->title);
-    const char *why = html_begin(&h, path, title, argc, argv);
+    const char *why = html_begin(&h, path, "choose", c->title, argc, argv);
     if (why)
         return why;
     put_sentences(&h, c);

@@ -1,6 +1,7 @@
 /* options.c - see options.h. */
 #include "host_sim/cli/options.h"
 #include "host_sim/commands.h"
+#include "host_sim/out/utf8.h"
 
 #include <errno.h>
 #include <math.h>
@@ -11,14 +12,22 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { NAMES_MAX = 64, NAME_SHOWN = 24 };
+enum { NAMES_MAX = 64, NAME_SHOWN = 24, MESSAGE = 16384 };
+
+/* One line, whatever the names in it hold. */
+static void complain(const struct usage *u, const char *format, va_list list)
+{
+    char text[MESSAGE];
+    vsnprintf(text, sizeof text, format, list);
+    fprintf(stderr, "contactplant %s: ", u->name);
+    utf8_put_plain(stderr, text);
+}
 
 int options_misuse(const struct usage *u, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
-    fprintf(stderr, "contactplant %s: ", u->name);
-    vfprintf(stderr, format, list);
+    complain(u, format, list);
     fprintf(stderr, "; see contactplant %s --help\n", u->name);
     va_end(list);
     return STATUS_MISUSED;
@@ -28,8 +37,7 @@ int options_failure(const struct usage *u, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
-    fprintf(stderr, "contactplant %s: ", u->name);
-    vfprintf(stderr, format, list);
+    complain(u, format, list);
     fputc('\n', stderr);
     va_end(list);
     return STATUS_FAILED;

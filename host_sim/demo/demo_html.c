@@ -34,7 +34,7 @@ const char *demo_write_html(const struct demo *d, const char *path, int argc, ch
     const double *t = r->column[DEMO_TIME];
     struct html h;
     char text[4096];
-    const char *why = html_begin(&h, path, "demo", argc, argv);
+    const char *why = html_begin(&h, path, "demo", NULL, argc, argv);
     if (why)
         return why;
     demo_sum_up(d, text, sizeof text);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/out/utf8.h"
 
 enum { PATH_SIZE = 4096 };
 
@@ -28,6 +29,7 @@ fmi3Status fmu_fail(const struct fmu *f, const char *format, ...)
     va_start(list, format);
     vsnprintf(text, sizeof text, format, list);
     va_end(list);
+    utf8_mend(text);
     say(f->log, f->environment, text);
     return fmi3Error;
 }

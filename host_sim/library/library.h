@@ -65,7 +65,7 @@ int library_start_afm(struct contactplant_afm *a);
 /* A plant alone that may be changed; else a code is noted. */
 bool library_may_change(struct contactplant *p);
 
-/* Notes code and text; returns the code. Without an error to note it in, just that. */
+/* Notes code and text, which is UTF-8 then; returns the code. Without an error to note it in, just that. */
 int library_fail(struct contactplant_error *e, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -7,6 +7,7 @@
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
 #include "firmware/app/plant_scene.h"
+#include "host_sim/out/utf8.h"
 #include "models/models.h"
 
 STATIC_ASSERT(sizeof(struct contactplant) <= CONTACTPLANT_SIZE, plant_fits_its_promised_size);
@@ -84,6 +85,7 @@ int library_fail(struct contactplant_error *e, int code, const char *format, ...
     vsnprintf(e->text, sizeof e->text, format, list);
     va_end(list);
     use_points(e->text);
+    utf8_mend(e->text);
     return code;
 }
 

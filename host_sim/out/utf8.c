@@ -2,6 +2,7 @@
 #include "host_sim/out/utf8.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 /* Bytes of a sequence with this first byte; 0: none begins so. */
 static size_t length_of(unsigned char first)
@@ -32,4 +33,36 @@ struct utf8_character utf8_next(const char **at)
     *at += i;
     return i == n ? (struct utf8_character){begin, n, code}
                   : (struct utf8_character){UTF8_REPLACEMENT, sizeof UTF8_REPLACEMENT - 1, 0xFFFD};
+}
+
+int utf8_fits(const char *text, int size)
+{
+    const char *at = text, *end = text;
+    while (*at && at - text <= size) {
+        end = at;
+        (void)utf8_next(&at);
+    }
+    return (int)((at - text <= size ? at : end) - text);
+}
+
+void utf8_mend(char *text)
+{
+    const char *at = text;
+    while (*at) {
+        char *begin = text + (at - text);
+        struct utf8_character c = utf8_next(&at);
+        if (c.bytes != begin)
+            memset(begin, '?', (size_t)(at - begin));
+    }
+}
+
+void utf8_put_plain(FILE *file, const char *text)
+{
+    while (*text) {
+        struct utf8_character c = utf8_next(&text);
+        if (c.code < ' ' || (c.code >= 0x7F && c.code < 0xA0))
+            fputs(UTF8_REPLACEMENT, file);
+        else
+            (void)fwrite(c.bytes, 1, c.n, file);
+    }
 }

@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #define UTF8_REPLACEMENT "\xEF\xBF\xBD" /* U+FFFD */
 
@@ -17,5 +18,14 @@ struct utf8_character {
  * surrogates, codes above U+10FFFF and sequences that are cut. As many bytes as could begin a character
  * become one U+FFFD. */
 struct utf8_character utf8_next(const char **at);
+
+/* The bytes of the text's whole characters among its first `size` bytes: `%.*s` cuts no character. */
+int utf8_fits(const char *text, int size);
+
+/* Bytes that are ill-formed, a character that a buffer has cut among them, become question marks. */
+void utf8_mend(char *text);
+
+/* Writes the text as part of a line for people: controls, line ends among them, are U+FFFD, too. */
+void utf8_put_plain(FILE *file, const char *text);
 
 #endif

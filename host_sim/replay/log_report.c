@@ -291,13 +291,11 @@ int log_report(const struct options *o, const char *log, const struct scene_app 
     static struct log_report p;
     static struct decode d;
     struct html h;
-    char title[128];
-    const char *path = options_text(o, "report", 0), *why, *bad;
+    const char *path = options_text(o, "report", 0), *name = o->n_words ? o->word[0] : s->config.model->name;
+    const char *why, *bad;
     if (!path)
         return 0;
-    snprintf(title, sizeof title, "%s %.100s", o->usage->name,
-             o->n_words ? o->word[0] : s->config.model->name);
-    if ((why = html_begin(&h, path, title, argc, argv)))
+    if ((why = html_begin(&h, path, o->usage->name, name, argc, argv)))
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
     log_report_begin_in(&p, &h, s->config.model);
     bad = read_log(&p, &d, log, s);

@@ -78,8 +78,11 @@ static void put_command(struct html *h, int argc, char **argv)
     put_member(h, "command", text);
 }
 
-const char *html_begin(struct html *h, const char *path, const char *title, int argc, char **argv)
+const char *html_begin(struct html *h, const char *path, const char *command, const char *name, int argc,
+                       char **argv)
 {
+    char title[LINE];
+    snprintf(title, sizeof title, "%s%s%s", command, name ? " " : "", name ? name : "");
     *h = (struct html){.f = fopen(path, "w")};
     if (!h->f)
         return strerror(errno);

@@ -1,7 +1,7 @@
 /* html.h - a report as one HTML file: its data inside as JSON, drawn by the code of the live page, without a
  * network.
  *
- *   if (html_begin(&h, "run.html", "simulate rig", argc, argv))
+ *   if (html_begin(&h, "run.html", "simulate", "rig", argc, argv))
  *       ...
  *   html_words(&h, "It ran %g s.", 2.0);
  *   html_table(&h, "Counters", "name,value");
@@ -28,8 +28,10 @@ struct html {
     enum html_place place; /* the part that is open */
 };
 
-/* Opens the file. The command line becomes part of it. NULL, or what went wrong. */
-const char *html_begin(struct html *h, const char *path, const char *title, int argc, char **argv);
+/* Opens the file. Its title are the command and what it was of, if name is not NULL. The command line becomes
+ * part of it. NULL, or what went wrong. */
+const char *html_begin(struct html *h, const char *path, const char *command, const char *name, int argc,
+                       char **argv);
 
 /* A paragraph. */
 void html_words(struct html *h, const char *format, ...) __attribute__((format(printf, 2, 3)));

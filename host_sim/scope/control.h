@@ -12,7 +12,7 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/scope/http.h"
 
-enum { CONTROL_PLANTS = 8, CONTROL_NAME = 128 };
+enum { CONTROL_PLANTS = 8, CONTROL_NAME = 1024 };
 
 struct control_plant {
     const struct options *o; /* the scope's: they describe the plant */

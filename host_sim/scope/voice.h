@@ -11,7 +11,7 @@
 #include "host_sim/scene/scene.h"
 #include "host_sim/scope/server.h"
 
-enum { VOICE_CONTRACT = 1, VOICE_NAME = 128, VOICE_LANE = 1 << 16, VOICE_OUTPUTS = 4 };
+enum { VOICE_CONTRACT = 1, VOICE_NAME = 1024, VOICE_LANE = 1 << 16, VOICE_OUTPUTS = 4 };
 
 enum lane { LANE_ROWS, LANE_CONTACT, LANE_SUMMARY, LANE_LOCKIN, LANE_SAID, LANE_BURST, LANES };
 

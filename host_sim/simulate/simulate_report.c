@@ -40,14 +40,13 @@ static const struct signal *signal_at(const struct simulation *r, int i)
 int simulate_report_begin(struct simulation *r, int argc, char **argv)
 {
     const char *path = options_text(r->o, "report", 0);
-    char title[128];
     if (!path)
         return 0;
     r->report = calloc(1, sizeof *r->report);
     if (!r->report)
         return options_failure(r->o->usage, "out of memory");
-    snprintf(title, sizeof title, "simulate %.100s", r->o->n_words ? r->o->word[0] : r->model->name);
-    const char *why = html_begin(&r->report->html, path, title, argc, argv);
+    const char *name = r->o->n_words ? r->o->word[0] : r->model->name;
+    const char *why = html_begin(&r->report->html, path, "simulate", name, argc, argv);
     if (why) {
         free(r->report);
         r->report = NULL;

@@ -161,7 +161,7 @@ int trial_html(const struct options *o, int argc, char **argv, const struct repo
     const char *path = options_text(o, "report", 0);
     if (!path)
         return 0;
-    const char *why = html_begin(&h, path, "test", argc, argv);
+    const char *why = html_begin(&h, path, "test", NULL, argc, argv);
     if (why)
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
     put_headline(&h, r, n);

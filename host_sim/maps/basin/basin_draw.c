@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include "host_sim/out/utf8.h"
 
 static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
@@ -115,7 +116,7 @@ const char *basin_draw(const struct basin *b, const struct basin_clusters *c, co
     double *x = malloc((size_t)n * sizeof *x), *y = malloc((size_t)n * sizeof *y);
     const char *why = "no memory for the picture";
     if (x && y) {
-        snprintf(title, sizeof title, "Basins of attraction: %s", b->m.name);
+        snprintf(title, sizeof title, "Basins of attraction: %.*s", utf8_fits(b->m.name, 100), b->m.name);
         snprintf(subtitle, sizeof subtitle,
                  "%d starts in %d dimensions, each where it began, coloured by the attractor it reached (%d "
                  "in all)",

@@ -99,12 +99,10 @@ const char *basin_html(const struct basin *b, const struct basin_clusters *c, co
                        int n, const char *path)
 {
     struct html h;
-    char title[TEXT];
     double *x = malloc(2 * POINTS * sizeof *x);
     if (!x)
         return "no memory";
-    snprintf(title, sizeof title, "basin %.100s", b->m.name);
-    const char *why = html_begin(&h, path, title, b->argc, b->argv);
+    const char *why = html_begin(&h, path, "basin", b->m.name, b->argc, b->argv);
     if (!why)
         why = put_all(&h, b, c, row, n, x, x + POINTS);
     free(x);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/maps/random/random_law.h"
+#include "host_sim/out/utf8.h"
 
 enum { LABEL = 160 };
 
@@ -196,7 +197,7 @@ static void draw(const struct report *p, struct chart *c)
     const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
     bool plain = scenes_dimensionless(&r->m.scene);
     char text[LABEL];
-    snprintf(text, sizeof text, "contactplant random %.100s", r->m.name);
+    snprintf(text, sizeof text, "contactplant random %.*s", utf8_fits(r->m.name, 100), r->m.name);
     char under[LABEL];
     snprintf(under, sizeof under, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
     chart_begin(c, text, under);

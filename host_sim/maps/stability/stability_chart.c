@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include "host_sim/out/utf8.h"
 
 enum { LABEL = 160, KINDS = 4, NO_KIND = -1 };
 
@@ -110,7 +111,7 @@ static void draw(struct picture *p)
     const struct stability *s = p->s;
     char title[LABEL], text[LABEL];
     double dx = half_cell(&s->x);
-    snprintf(title, sizeof title, "contactplant stability %.100s", s->m.name);
+    snprintf(title, sizeof title, "contactplant stability %.*s", utf8_fits(s->m.name, 100), s->m.name);
     snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, s->x.n, s->y.n);
     chart_begin(&p->c, title, text);
     chart_x_range(&p->c, on_axis(&s->x, s->x.from) - dx, on_axis(&s->x, s->x.to) + dx);

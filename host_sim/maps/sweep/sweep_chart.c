@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/out/utf8.h"
 
 enum { COLOURS = 6, LEGENDS = 9 };
 
@@ -115,7 +116,7 @@ static void draw(struct picture *p)
     const struct sweep *s = p->s;
     const struct model *m = s->m.scene.model;
     char title[SWEEP_LABEL], text[SWEEP_LABEL];
-    snprintf(title, sizeof title, "contactplant sweep %.100s", s->m.name);
+    snprintf(title, sizeof title, "contactplant sweep %.*s", utf8_fits(s->m.name, 100), s->m.name);
     int n = snprintf(text, sizeof text, "%d points up and down, each settled over %d periods; ", s->range.n,
                      s->settle);
     snprintf(text + n, sizeof text - (size_t)n, s->family.n ? "a colour for each %s" : "dashed: jumps",

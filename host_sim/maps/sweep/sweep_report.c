@@ -190,13 +190,11 @@ int sweep_report(const struct sweep *s, int argc, char **argv)
 {
     struct report p = {.s = s};
     const char *path = options_text(&s->m.o, "report", 0), *why = NULL;
-    char title[SWEEP_LABEL];
     int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
     p.row = (const void *)p.t.row;
     p.x = calloc(2 * (size_t)p.t.n + 1, sizeof *p.x);
     p.y = p.x + p.t.n;
-    snprintf(title, sizeof title, "sweep %.100s", s->m.name);
-    if (!status && p.x && !(why = html_begin(&p.h, path, title, argc, argv)))
+    if (!status && p.x && !(why = html_begin(&p.h, path, "sweep", s->m.name, argc, argv)))
         why = write_report(&p);
     if (!status && (why || !p.x))
         status =

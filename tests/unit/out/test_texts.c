@@ -1,6 +1,7 @@
 /* test_texts.c - texts of unknown origin in JSON and XML. The right forms are written by hand: as many U+FFFD
  * as the Unicode Standard, table 3-8, has. */
 #include "host_sim/out/json.h"
+#include "host_sim/out/utf8.h"
 #include "host_sim/out/xml.h"
 #include "tests/unit/test.h"
 
@@ -114,4 +115,25 @@ TEST(xml_as_by_hand)
     check_string("text", text,
                  "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<a b=\"&quot;\" c=\"-1\" d=\"7\" e='f'/>"
                  "<g h=\"0.1\" i=\"0.30000000000000004\" j=\"1.000\" k=\"2.2\"/>");
+}
+
+/* As texts of a fixed size end: a character that is cut is left out, or told as a question mark. */
+TEST(texts_that_are_cut)
+{
+    static const char text[] = "a\xC3\xBC\xE2\x82\xAC\xF0\x9F\x98\x80z";
+    static const int right[] = {0, 1, 1, 3, 3, 3, 6, 6, 6, 6, 10, 11, 11};
+    for (int i = 0; i < (int)(sizeof right / sizeof right[0]); i++)
+        check_int("bytes of whole characters", utf8_fits(text, i), right[i]);
+    char cut[ROOM] = "a\xC3\xBC\xFF\xE2\x82";
+    utf8_mend(cut);
+    check_string("mended", cut, "a\xC3\xBC???");
+}
+
+TEST(texts_in_a_line_for_people)
+{
+    char text[ROOM];
+    FILE *f = open_text(text);
+    utf8_put_plain(f, "a\nb\x1B[1m\x7F\xC2\x9B\xC2\xA0\xFF\"");
+    (void)fclose(f);
+    check_string("text", text, "a" BAD "b" BAD "[1m" BAD BAD "\xC2\xA0" BAD "\"");
 }

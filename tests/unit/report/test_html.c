@@ -17,7 +17,7 @@ static char *data_of_report(char *page, size_t size)
     struct html h;
     const double x[] = {0.0, 0.1}, y[] = {1e-300, (double)NAN}, high[] = {2.0, 3.0};
     int fd = mkstemp(path);
-    if (fd < 0 || close(fd) || html_begin(&h, path, "</script>\x01\xFF\xC3\xA4\"\\&", 3, words))
+    if (fd < 0 || close(fd) || html_begin(&h, path, "</script>\x01\xFF\xC3\xA4\"", "\\&", 3, words))
         return NULL;
     html_words(&h, "%d words", 2);
     html_table(&h, "t", "a,b");
@@ -46,7 +46,7 @@ TEST(html_data_as_by_hand)
 {
     static const char *const part[] = {
         "{\"kind\":\"report\",\"title\":\"\\u003c/"
-        "script\\u003e\\u0001\xEF\xBF\xBD\xC3\xA4\\u0022\\u005c\\u0026\",\"version\":\"",
+        "script\\u003e\\u0001\xEF\xBF\xBD\xC3\xA4\\u0022 \\u005c\\u0026\",\"version\":\"",
         "\"command\":\"contactplant sweep 'a b' \\u0022it's\\u0022\",\"sections\":[\n",
         "{\"kind\":\"words\",\"text\":\"2 words\"}\n"
         ",{\"kind\":\"table\",\"title\":\"t\",\"columns\":\"a,b\",\"rows\":[\n"
@@ -76,7 +76,7 @@ TEST(html_tells_of_a_full_disk)
 {
     struct html h;
     char word[] = "run", *words[] = {word};
-    check_true("no folder", html_begin(&h, "/nowhere/report.html", "t", 1, words) != NULL);
-    check_true("a device without room opens", !html_begin(&h, "/dev/full", "t", 1, words));
+    check_true("no folder", html_begin(&h, "/nowhere/report.html", "t", NULL, 1, words) != NULL);
+    check_true("a device without room opens", !html_begin(&h, "/dev/full", "t", NULL, 1, words));
     check_true("its end tells", html_end(&h) != NULL);
 }

@@ -139,7 +139,7 @@ static const char *page_of(int n_rows, const struct decode_event *e, int n_event
     const struct log_tally nothing = {0};
     struct html h;
     int fd = mkstemp(path);
-    if (fd < 0 || close(fd) || !open_scene() || html_begin(&h, path, "t", 0, argv))
+    if (fd < 0 || close(fd) || !open_scene() || html_begin(&h, path, "t", NULL, 0, argv))
         return "";
     log_report_begin_in(&report, &h, scene.config.model);
     for (int i = 0; i < n_rows; i++) {
