@@ -10,6 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#define PAGES                                                                                                \
+    "Pages (docs/..) lie in the source, and in share/doc/contactplant below the prefix\nof an "              \
+    "installation.\n"
+
 static int cmd_man(int argc, char **argv);
 static int cmd_completion(int argc, char **argv);
 static int cmd_version(int argc, char **argv);
@@ -61,7 +65,7 @@ static int help(void)
            "subcommands:\n");
     for (int i = 0; i < COMMANDS; i++)
         printf("  %-10s %s\n", command[i].name, command[i].meaning);
-    printf("\ncontactplant SUBCOMMAND --help explains each one, with examples.\n\n"
+    printf("\ncontactplant SUBCOMMAND --help explains each one, with examples.\n" PAGES "\n"
            "examples:\n"
            "  contactplant demo                   see it work\n"
            "  contactplant simulate rig           a preset scene, offline; contactplant list scenes\n"
@@ -110,6 +114,7 @@ static int cmd_man(int argc, char **argv)
         "manual.\n");
     printf(".SH SUBCOMMANDS\n");
     each_usage("--help=man", "", "");
+    printf(".SH FILES\n" PAGES);
     printf(".SH EXIT STATUS\n0 done, 1 failed, 2 misused: standard error says what to do. 3: the motion of\n"
            "simulate has escaped, or the bench of test had an error.\n");
     return STATUS_DONE;

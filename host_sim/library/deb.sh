@@ -32,7 +32,7 @@ move "$libdir/pkgconfig" "$header"
 move /usr/include "$header"
 move /usr/share/contactplant/python "$header"
 mkdir -p "$header/usr/share/doc/libcontactplant-dev"
-mv "$program/usr/share/doc/contactplant/examples" "$header/usr/share/doc/libcontactplant-dev/examples"
+cp -r "$program/usr/share/doc/contactplant/docs/examples" "$header/usr/share/doc/libcontactplant-dev/examples"
 rmdir "$program$libdir" # usr/lib keeps what an FMU is made of
 rm "$program/usr/share/doc/contactplant/LICENSE" "$program/usr/share/doc/contactplant/CHANGELOG.md"
 gzip -9n "$program/usr/share/man/man1/contactplant.1"

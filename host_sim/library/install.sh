@@ -53,8 +53,17 @@ put 644 "$fmu" "$build/fmu/files"
 sed 's|/[^/]*$||' "$build/fmu/files" | sort -u | while read -r room; do
     put 644 "$fmu/$room" $(grep -x "$room/[^/]*" "$build/fmu/files" | sed "s|^|$build/fmu/|")
 done
-put 644 "$doc" README.md CHANGELOG.md LICENSE
-put 644 "$doc/examples" docs/examples/*.[ch] docs/examples/*.py docs/examples/*.test
+# The pages lie as in the source: what README, the pages and --help name is there.
+put 644 "$doc" README.md CHANGELOG.md CONTRIBUTING.md LICENSE
+pages=$(find docs -type d)
+for folder in $pages; do
+    put 644 "$doc/$folder" $(find "$folder" -maxdepth 1 -type f)
+done
+linked="host_sim/library/contactplant.h host_sim/python/contactplant.py tests/cli/lockstep_client.py"
+for file in $linked; do
+    put 644 "$doc/${file%/*}" "$file"
+done
+link docs/examples "$doc/examples"
 
 # The loader's list of libraries: a program that links this one finds it, or a line says how it will.
 if [ -z "$DESTDIR" ]; then
@@ -69,7 +78,7 @@ if [ "$action" = uninstall ]; then
     [ ! -d "$DESTDIR$PREFIX/lib/contactplant" ] || find "$DESTDIR$PREFIX/lib/contactplant" -depth -type d -empty -delete
     rm -f "$DESTDIR$share/contactplant/python/__pycache__/contactplant."*.pyc
     for folder in "$share/contactplant/python/__pycache__" "$share/contactplant/python" "$share/contactplant/scenes" \
-        "$share/contactplant" "$doc/examples" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
+        "$share/contactplant" $(echo "$pages" | LC_ALL=C sort -r | sed "s|^|$doc/|") "$doc/host_sim/library" "$doc/host_sim/python" "$doc/host_sim" "$doc/tests/cli" "$doc/tests" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
         "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
         "$PREFIX/lib" "$PREFIX/bin" "$PREFIX/include"; do
         rmdir "$DESTDIR$folder" 2>/dev/null || true

@@ -66,6 +66,19 @@ equal "subcommands without a section in the manual page" "$missing" ""
 if command -v groff >/dev/null; then
     equal "warnings of groff about it" "$(groff -man -Tutf8 -ww -z "$prefix/share/man/man1/contactplant.1" 2>&1 | wc -l)" 0
 fi
+doc=$prefix/share/doc/contactplant
+missing=
+for name in $({ cat "$doc/README.md"; cat "$prefix/share/man/man1/contactplant.1"; } | tr -d '\\' | grep -oE '(docs|host_sim)/[A-Za-z0-9_/.-]*\.(md|dbc|c|h|svg|png)' | sort -u); do
+    [ -e "$doc/$name" ] || missing="$missing $name"
+done
+equal "pages that README or the manual page name and that are not installed" "$missing" ""
+missing=
+for page in $(find "$doc" -name '*.md'); do
+    for name in $(grep -oE '\]\([A-Za-z0-9_/.-]*' "$page" | cut -c 3-); do
+        [ -e "$(dirname "$page")/$name" ] || missing="$missing $name"
+    done
+done
+equal "links of installed pages that lead nowhere" "$missing" ""
 words() { # WORDS OF A COMMAND LINE..: what bash offers for the last one
     bash -c '. "$1"; shift; COMP_WORDS=(contactplant "$@"); COMP_CWORD=$#; _contactplant; echo "${COMPREPLY[*]}"' - \
         "$prefix/share/bash-completion/completions/contactplant" "$@"
