@@ -11,7 +11,8 @@
  * Simpson's rule over a tick: (h Omega)^4/2880 of the velocity a/Omega that it drives. All drives together
  * may add the tolerance times the motion. The motion is at least the response of the contact at rest to the
  * strongest drive. A tick of rk4 costs 0.6 to 0.9 of one of taylor. Without a tolerance (0) the contact is
- * taylor's, with its default tolerance. Above the largest tolerance of taylor it is rk4's under any drives.
+ * taylor's, with its default tolerance. Above TAYLOR_TOL_MOST it is rk4's under any drives where rk4 takes
+ * the step.
  *
  * `prepare` chooses by model, step and tolerance, so a change of parameters may change the method: state and
  * regime belong to the plant, and the tables are made anew. Between rk4 and taylor the choice is made again
@@ -126,7 +127,7 @@ static void begin(const struct model *m, const double *p, double h, double tol, 
     struct hertz_form f;
     *o = (struct own){.tol = tol, .h = h, .omega = m->eigenfrequency(p)};
     o->choice = choose(m, p, h, tol, &why);
-    if (o->choice != RK4 || !m->hertz_form || taylor.refuse(m, p, h, tol))
+    if (o->choice != RK4 || !m->hertz_form || tol > TAYLOR_TOL_MOST || taylor.refuse(m, p, h, tol))
         return;
     m->hertz_form(p, &f);
     o->watches = true;

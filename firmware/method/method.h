@@ -24,10 +24,11 @@
 #include "models/model.h"
 
 /* Tolerances that a method may be asked for, relative to the size of the motion. Below the least one
- * rounding decides, above the largest one rk4 costs less. A method with a narrower range refuses what is
- * outside it. */
+ * rounding decides. A method with a narrower range refuses what is outside it; taylor keeps TAYLOR_TOL_MOST
+ * where more is allowed, for above it rk4 costs less. */
 #define METHOD_TOL_MIN     1e-13
-#define METHOD_TOL_MAX     1e-2
+#define METHOD_TOL_MAX     0.1
+#define TAYLOR_TOL_MOST    1e-2
 #define METHOD_TOL_DEFAULT 1e-9 /* where 0 is given */
 
 /* One input over a segment, s being the model time from the segment's start:

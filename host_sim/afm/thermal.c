@@ -9,6 +9,7 @@
 #include "host_sim/afm/afm_bench.h"
 #include "host_sim/afm/thermal.h"
 #include "host_sim/cli/chart.h"
+#include "host_sim/cli/ticks.h"
 
 static const double boltzmann = 1.380649e-23;
 #define TWO_PI 6.283185307179586
@@ -53,15 +54,16 @@ static size_t segment_of(const struct afm_bench *b)
 }
 
 static const char too_short[] = "fewer than two segments: give --seconds %.3g or more";
+static const double rounded_up = 1.005; /* so that three digits are enough */
 
 int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
 {
     struct station *s = &b->station;
     size_t length = segment_of(b);
-    uint64_t samples = (uint64_t)(seconds / s->sample_s);
+    uint64_t samples = ticks_ended(seconds, s->sample_s);
     double ring = station_ring_time(b->si);
     if (samples < 2 * length)
-        return options_misuse(b->usage, too_short, 2.0 * (double)length * s->sample_s);
+        return options_misuse(b->usage, too_short, rounded_up * 2.0 * (double)length * s->sample_s);
     if (!spectrum_init(&t->spectrum, length, s->sample_s))
         return options_failure(b->usage, "out of memory");
     int status = afm_bench_run(b, (uint64_t)(5.0 * ring / s->sample_s));

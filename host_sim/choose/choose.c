@@ -155,7 +155,8 @@ static bool read(const struct options *o, struct choose_certificate *c)
 {
     char why[SCENE_REASON], reason[SCENE_CHECK_REASON];
     c->title = o->word[0];
-    enum scene_origin origin = scene_load(c->title, &c->scene, why);
+    bool other = options_given(o, "tolerance");
+    enum scene_origin origin = (other ? scene_load_unstepped : scene_load)(c->title, &c->scene, why);
     if (origin == SCENE_OF_NOTHING)
         options_misuse(o->usage, "%s", why);
     else if (origin == SCENE_OF_MODEL)
@@ -169,7 +170,7 @@ static bool read(const struct options *o, struct choose_certificate *c)
         return false;
     }
     c->heat = options_given(o, "heat");
-    if (options_given(o, "tolerance"))
+    if (other)
         c->scene.tolerance = options_number(o, "tolerance");
     if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))
         return false;

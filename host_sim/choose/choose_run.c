@@ -7,6 +7,7 @@
 #include "firmware/method/taylor/taylor_piece.h"
 #include "host_sim/choose/choose.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/afm_lever.h"
 #include "models/shaft_views.h"
@@ -37,7 +38,7 @@ struct runner {
 
 double choose_frames(const struct scene *s)
 {
-    return floor(s->over * s->dilation / s->frame_s + 1e-6);
+    return floor(ticks_in(s->over * s->dilation, s->frame_s));
 }
 
 int choose_looks(const struct scene *s)

@@ -2,6 +2,7 @@
  * and keeps contact with a PI controller that streams a force. Its only ways to the plant are the messages of
  * firmware/bus/wire.h. */
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/live/lockstep.h"
@@ -124,7 +125,7 @@ static int control(const struct options *o, struct client *c, const struct scene
         client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
         client_fire(c, 1u << FORCE, false, c->latest.tick + (uint64_t)FIRE_LEAD * s->config.substeps, 0.0);
     }
-    uint64_t frames = (uint64_t)(options_number(o, "duration") / s->config.frame_s);
+    uint64_t frames = ticks_begun(options_number(o, "duration"), s->config.frame_s);
     double force_N = keep_contact(c, s, frames, options_number(o, "keep"), lockstep);
     printf("streamed force %.9g N, penetration %.9g m, contact loss %.3g, refused as late %llu\n", force_N,
            c->latest.penetration_m, c->latest.contact_loss, (unsigned long long)c->latest.reply[CAUSE_LATE]);

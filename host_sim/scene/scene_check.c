@@ -124,6 +124,16 @@ static const void *check_method(const struct scene *s, const double *p, double t
     return &s->method;
 }
 
+static const void *check_own_method(const struct scene *s, char *why)
+{
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS];
+    struct scale scale;
+    scenes_resolve(s, si, drive);
+    s->model->prepare(si, p, &scale);
+    return check_method(s, p, scale.time_s, why);
+}
+
 /* The full model takes over parameters, method and step as they are. */
 static const void *check_promote(const struct scene *s, const double *si, char *why)
 {
@@ -182,6 +192,12 @@ static const void *check_stages(const struct scene *s, char *why)
 
 const void *scene_check(const struct scene *s, char *why)
 {
+    const void *root = scene_check_unstepped(s, why);
+    return root ? root : check_own_method(s, why);
+}
+
+const void *scene_check_unstepped(const struct scene *s, char *why)
+{
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     struct harmonic drive[MODEL_INPUTS];
     struct scale scale;
@@ -195,6 +211,5 @@ const void *scene_check(const struct scene *s, char *why)
         root = check_drive(s, i, &drive[i], scale_of(&scale, s->model->input_signal[i].quantity), why);
     root = root ? root : check_stages(s, why);
     root = root ? root : check_start(s, si, drive, why);
-    root = root ? root : check_method(s, p, scale.time_s, why);
     return root || !s->watch.on ? root : check_watch(s, si, drive, why);
 }

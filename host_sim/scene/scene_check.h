@@ -10,6 +10,9 @@ enum { SCENE_CHECK_REASON = 256 };
  * method's own step guard has the last word. */
 const void *scene_check(const struct scene *s, char *why);
 
+/* As scene_check without the step guard, for a caller that takes another method, step or tolerance. */
+const void *scene_check_unstepped(const struct scene *s, char *why);
+
 /* Seconds of the real plant in one step. */
 double scene_check_step(const struct scene *s);
 

@@ -283,10 +283,10 @@ static bool check_whole_start(struct reader *r)
 }
 
 /* Where a contradiction comes from: the line that set its root, else the model's. */
-static bool check(struct reader *r)
+static bool check(struct reader *r, const void *(*of)(const struct scene *s, char *why))
 {
     char reason[SCENE_CHECK_REASON];
-    const void *root = scene_check(&r->scene, reason);
+    const void *root = of(&r->scene, reason);
     const struct line *at = NULL;
     if (!root)
         return true;
@@ -298,7 +298,8 @@ static bool check(struct reader *r)
     return scene_lines_wrong(r, at->number, "%.*s: %s", scene_text_shown(at->key), at->key.at, reason);
 }
 
-bool scene_file_parse(const char *file, const char *text, size_t n, struct scene *s, char *why)
+static bool parse(const char *file, const char *text, size_t n, struct scene *s, char *why,
+                  const void *(*of)(const struct scene *s, char *why))
 {
     struct reader r = {.file = file, .why = why};
     bool good = scene_lines_read(&r, text, n) && find_model(&r);
@@ -306,8 +307,18 @@ bool scene_file_parse(const char *file, const char *text, size_t n, struct scene
         find_watched(&r);
     for (int i = 0; i < r.n && good; i++)
         good = set_line(&r, &r.line[i]);
-    good = good && check_whole_start(&r) && check(&r);
+    good = good && check_whole_start(&r) && check(&r, of);
     if (good)
         *s = r.scene;
     return good;
+}
+
+bool scene_file_parse(const char *file, const char *text, size_t n, struct scene *s, char *why)
+{
+    return parse(file, text, n, s, why, scene_check);
+}
+
+bool scene_file_parse_unstepped(const char *file, const char *text, size_t n, struct scene *s, char *why)
+{
+    return parse(file, text, n, s, why, scene_check_unstepped);
 }

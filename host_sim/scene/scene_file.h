@@ -16,4 +16,7 @@ enum { SCENE_FILE_BYTES = 65536, SCENE_FILE_LINE = 255, SCENE_FILE_KEYS = 128, S
  * what is wrong. */
 bool scene_file_parse(const char *file, const char *text, size_t n, struct scene *s, char *why);
 
+/* As scene_file_parse without the step guard (scene_check_unstepped). */
+bool scene_file_parse_unstepped(const char *file, const char *text, size_t n, struct scene *s, char *why);
+
 #endif

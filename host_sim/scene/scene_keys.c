@@ -135,7 +135,7 @@ static void get_state(const struct scene *s, int i, struct scene_key *k)
 {
     const struct signal *g = &s->model->state_signal[i];
     *k = (struct scene_key){.kind = KEY_NUMBER,
-                            .full = s->paper ? g->paper_name : g->name,
+                            .full = scenes_state_name(s, i),
                             .unit = unit_of(s, g->unit),
                             .meaning = g->meaning,
                             .min = -LARGE,

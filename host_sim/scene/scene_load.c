@@ -10,7 +10,7 @@
 
 enum { PATH_SHOWN = 120 };
 
-static enum scene_origin load_file(const char *path, struct scene *s, char *why)
+static enum scene_origin load_file(const char *path, struct scene *s, char *why, bool stepped)
 {
     static char text[SCENE_FILE_BYTES + 1]; /* one more tells a larger file */
     errno = 0;
@@ -24,13 +24,20 @@ static enum scene_origin load_file(const char *path, struct scene *s, char *why)
         scene_name_refuse("model, preset or file", path, why);
     else if (bad)
         snprintf(why, SCENE_REASON, "cannot read %.*s: %s", PATH_SHOWN, path, strerror(error));
-    return !bad && scene_file_parse(path, text, n, s, why) ? SCENE_OF_FILE : SCENE_OF_NOTHING;
+    bool good = !bad && (stepped ? scene_file_parse : scene_file_parse_unstepped)(path, text, n, s, why);
+    return good ? SCENE_OF_FILE : SCENE_OF_NOTHING;
 }
 
 enum scene_origin scene_load(const char *name, struct scene *s, char *why)
 {
     enum scene_origin origin = scene_name_find(name, s);
-    return origin == SCENE_OF_NOTHING ? load_file(name, s, why) : origin;
+    return origin == SCENE_OF_NOTHING ? load_file(name, s, why, true) : origin;
+}
+
+enum scene_origin scene_load_unstepped(const char *name, struct scene *s, char *why)
+{
+    enum scene_origin origin = scene_name_find(name, s);
+    return origin == SCENE_OF_NOTHING ? load_file(name, s, why, false) : origin;
 }
 
 static bool stat_folder(const char *path, struct stat *s)

@@ -14,6 +14,9 @@
 /* The scene of this name. SCENE_OF_NOTHING, with *s as it was: why[SCENE_REASON] says what to do. A
  * model's scene is its defaults. */
 enum scene_origin scene_load(const char *name, struct scene *s, char *why);
+/* As scene_load, for a caller that puts another method, step or tolerance in the place of the file's, and
+ * then asks the method. */
+enum scene_origin scene_load_unstepped(const char *name, struct scene *s, char *why);
 /* As scene_load, at temperature 0: maps need equal states to have equal futures. --set sets it again. A scene
  * with stages is refused: their states are no part of a map. */
 enum scene_origin scene_load_cold(const char *name, struct scene *s, char *why);

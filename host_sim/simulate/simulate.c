@@ -6,6 +6,7 @@
  * Rows are exact, not interpolated. A step that may be chosen divides the rows' distance. For a row
  * between two steps a second plant goes there from the last step, in one step of its own. */
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/commands.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/simulate/simulate.h"
@@ -13,7 +14,6 @@
 #include "models/models.h"
 
 #include <errno.h>
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@
 static const double steps_max = 1e12;     /* between two rows */
 enum { HALVINGS = 60 };                   /* most halvings of a step in search of one that the method takes */
 static const double run_ticks_max = 9e15; /* most ticks of a run */
-static const double step_rounding = 1e-9; /* in steps: interval/step may come out just above a whole number */
+static const double shortest_s = 1e-12;   /* bus seconds; a tangent of 10 MHz is off by 2e-9 there */
 
 static const struct option simulate_options[] = {
     {"set", "NAME=VALUE", "a number of the scene, with its unit, or of the model's paper; repeatable",
@@ -99,10 +99,7 @@ static void show_states(const struct simulation *r, double t, const double *x, d
 {
     struct input u[MODEL_INPUTS];
     simulate_inputs(r, t, u);
-    if (r->paper)
-        r->model->paper_state(r->p, u, x, shown);
-    for (int i = 0; i < r->model->n_states && !r->paper; i++)
-        shown[i] = x[i] * scale_of(&r->scale, r->model->state_signal[i].quantity);
+    scenes_show_state(&r->scene, r->p, &r->scale, u, x, shown);
 }
 
 /* The end of a row: the states, and for rows in time the observable. */
@@ -134,7 +131,7 @@ static void write_header(const struct simulation *r, FILE *f, const char *first)
 {
     fputs(first, f);
     for (int i = 0; i < r->model->n_states; i++)
-        fprintf(f, ",%s", r->paper ? r->model->state_signal[i].paper_name : r->model->state_signal[i].name);
+        fprintf(f, ",%s", scenes_state_name(&r->scene, i));
     if (f == r->out && r->observable >= 0)
         fprintf(f, ",%s", r->model->output_signal[r->observable].name);
     for (int i = 0; i < SCENE_STAGES && f == r->out; i++)
@@ -223,30 +220,22 @@ static double bus_step(const struct simulation *r)
 /* Equal steps, none longer than `step`, in `length`. */
 static double steps_over(double length, double step)
 {
-    double n = ceil(length / step - step_rounding);
-    return n < 1.0 ? 1.0 : n;
+    return fmax(1.0, ceil(ticks_in(length, step)));
 }
 
-/* Whole ticks, or that many and a part of one. */
-static bool is_whole(double ticks)
-{
-    return fabs(ticks - round(ticks)) <= step_rounding + 4.0 * DBL_EPSILON * ticks;
-}
-
-/* The ticks until row i. */
+/* The ticks until row i: whole ones, or that many and a part of one. */
 static double ticks_until(const struct simulation *r, size_t i, double tick_s)
 {
-    double n = r->at ? bus_time(r, r->at[i]) / tick_s : (double)i * (bus_every(r) / tick_s);
-    return is_whole(n) ? round(n) : n;
+    return ticks_in(r->at ? bus_time(r, r->at[i]) : (double)i * bus_every(r), tick_s);
 }
 
 /* All rows are at ticks. */
 static bool fits(const struct simulation *r, double tick_s)
 {
     for (size_t i = 0; r->at && i < r->n_rows; i++)
-        if (!is_whole(bus_time(r, r->at[i]) / tick_s))
+        if (!ticks_fit(bus_time(r, r->at[i]), tick_s))
             return false;
-    return r->at || is_whole(bus_every(r) / tick_s);
+    return r->at || ticks_fit(bus_every(r), tick_s);
 }
 
 /* The first row behind the start and the smallest distance of two, bus seconds; 0: there is none. */
@@ -366,6 +355,18 @@ static int carry_to(struct simulation *r, uint64_t to)
     return told(r, pl, escaped);
 }
 
+/* From the tick where the plant is, a way too short for a plant, as on a tangent. */
+static void lean(struct simulation *r, double way_s)
+{
+    double x_dot[MODEL_STATES];
+    struct plant *pl = &r->ahead;
+    *pl = r->plant;
+    r->model->rhs(pl->p, pl->segment.at[2], pl->x, x_dot);
+    for (int i = 0; i < r->model->n_states; i++)
+        pl->x[i] += way_s / pl->scale.time_s * x_dot[i];
+    r->shown = pl;
+}
+
 /* From the tick where the plant is, part of one ahead by another plant. */
 static int look_ahead(struct simulation *r, double part, bool last)
 {
@@ -378,6 +379,15 @@ static int look_ahead(struct simulation *r, double part, bool last)
         write_events(r, pl, part);
     r->shown = pl;
     return told(r, pl, escaped);
+}
+
+/* The plant at a row between two ticks. */
+static int look(struct simulation *r, double part, bool last)
+{
+    if (part * r->tick_s >= shortest_s)
+        return look_ahead(r, part, last);
+    lean(r, part * r->tick_s);
+    return 0;
 }
 
 /* ---- rows ---- */
@@ -410,7 +420,7 @@ static int run_rows(struct simulation *r)
         if (n > 0.0)
             status = carry_to(r, (uint64_t)n);
         if (!status && n > floor(n))
-            status = look_ahead(r, n - floor(n), row + 1 == r->n_rows);
+            status = look(r, n - floor(n), row + 1 == r->n_rows);
         if (status)
             break;
         fprintf(r->out, "%.17g", t);
@@ -485,7 +495,9 @@ static int find_scene(struct simulation *r)
 {
     char why[SCENE_REASON];
     const char *method = options_text(r->o, "method", 0);
-    r->origin = scene_load(r->o->n_words ? r->o->word[0] : model_table[0]->name, &r->scene, why);
+    bool other = options_given(r->o, "method") || options_given(r->o, "step") || options_given(r->o, "tol");
+    r->origin = (other ? scene_load_unstepped
+                       : scene_load)(r->o->n_words ? r->o->word[0] : model_table[0]->name, &r->scene, why);
     if (r->origin == SCENE_OF_NOTHING)
         return options_misuse(r->o->usage, "%s", why);
     if (scene_is_microscope(r->scene.model))

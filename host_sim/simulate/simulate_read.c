@@ -1,5 +1,6 @@
 /* simulate_read.c - the command line of contactplant simulate. */
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_range.h"
 #include "host_sim/simulate/simulate.h"
@@ -10,7 +11,6 @@
 
 enum { NAME_SIZE = 64, STEPS_PER_PERIOD = 4096 };
 static const double rows_max = 1e8;
-static const double row_rounding = 1e-9; /* in rows: until/every may come out just below a whole number */
 
 int simulate_misuse(const struct simulation *r, const char *text, const char *reason)
 {
@@ -186,14 +186,10 @@ static int read_state(struct simulation *r)
         return options_misuse(r->o->usage, "--state %s: %s has %d states; give that many finite numbers",
                               text, m->name, m->n_states);
     simulate_inputs(r, 0.0, u);
-    if (r->paper)
-        m->state_from_paper(r->p, u, shown, r->state);
+    scenes_take_state(&r->scene, r->p, &r->scale, u, shown, r->state);
     double size = 0.0;
-    for (int i = 0; i < m->n_states; i++) {
-        if (!r->paper)
-            r->state[i] = shown[i] / scale_of(&r->scale, m->state_signal[i].quantity);
+    for (int i = 0; i < m->n_states; i++)
         size += fabs(r->state[i]);
-    }
     return size <= PLANT_STATE_LIMIT
                ? 0
                : simulate_misuse(r, text,
@@ -208,7 +204,7 @@ static int read_times(struct simulation *r)
     r->until = own && !options_given(r->o, "until") ? r->scene.over : options_number(r->o, "until");
     r->every = own && !options_given(r->o, "every") ? r->scene.frame_s / r->scene.dilation
                                                     : options_number(r->o, "every");
-    double rows = floor(r->until / r->every + row_rounding) + 1.0;
+    double rows = floor(ticks_in(r->until, r->every)) + 1.0;
     if (text && (options_given(r->o, "until") || options_given(r->o, "every")))
         return simulate_misuse(r, "--at", "lists all rows; take --until and --every away");
     if (!text) {

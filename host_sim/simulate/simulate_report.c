@@ -127,7 +127,7 @@ static void put_column(struct simulation *r, int k, bool joined, double period)
 {
     struct simulate_report *p = r->report;
     const struct signal *g = signal_at(r, k);
-    const char *name = r->paper && k < r->model->n_states ? g->paper_name : g->name;
+    const char *name = k < r->model->n_states ? scenes_state_name(&r->scene, k) : g->name;
     html_chart(&p->html, name, r->paper ? "" : g->unit, "time", r->paper ? "" : "s");
     if (p->rows.per > 1)
         html_band(&p->html, name, p->rows.n, p->rows.x, p->rows.last, period, p->rows.low[k],

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "host_sim/cli/ticks.h"
 #include "host_sim/trial/fit.h"
 #include "models/math/elementary.h"
 
@@ -20,12 +21,12 @@ static bool is(const struct measurement *m, enum metric_of of)
 /* The window in ticks; a lock-in's ends with a whole period. */
 static void find_window(struct measurement *m)
 {
-    double from = m->set.from_s / m->tick_s, to = m->set.to_s / m->tick_s;
+    double to = ticks_in(m->set.to_s, m->tick_s);
     double period = m->set.frequency_Hz > 0.0 ? 1.0 / (m->set.frequency_Hz * m->tick_s) : 0.0;
-    m->from = (uint64_t)ceil(from - 1e-6);
+    m->from = ticks_begun(m->set.from_s, m->tick_s);
     if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
-        to = m->from + floor((to - (double)m->from) / period + 1e-9) * period;
-    m->to = to < 1e18 ? (uint64_t)floor(to + 1e-6) : UINT64_MAX;
+        to = (double)m->from + floor(ticks_in(to - (double)m->from, period)) * period;
+    m->to = ticks_ended(to, 1.0);
 }
 
 static void add_error(struct measurement *m, double x, double since_s, double half_s, double dt)

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "host_sim/cli/ticks.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/replay/compare.h"
@@ -158,7 +159,7 @@ void verdict_compare(const struct bench_setting *s, const struct scene_app *scen
     char path[BENCH_PATH], text[COMPARE_TEXT];
     if (!*c->golden || r->verdict == VERDICT_ERROR)
         return;
-    uint64_t frames = (uint64_t)ceil(c->over_s / a->frame_s - 1e-9);
+    uint64_t frames = ticks_begun(c->over_s, a->frame_s);
     bench_scene_path(s->trial->file, c->golden, path);
     struct compare k = {.path = {path, record},
                         .scene = scene,

@@ -62,6 +62,39 @@ static struct input first_input(const struct harmonic *d, double unit, double ti
     return (struct input){d->amplitude * cosine / unit, -d->amplitude * d->omega * sine / unit * time_s};
 }
 
+void scenes_inputs(const struct model *m, const struct scale *scale, const struct harmonic *drive,
+                   struct input *u)
+{
+    for (int i = 0; i < m->n_inputs; i++)
+        u[i] = first_input(&drive[i], scale_of(scale, m->input_signal[i].quantity), scale->time_s);
+}
+
+const char *scenes_state_name(const struct scene *s, int i)
+{
+    const struct signal *g = &s->model->state_signal[i];
+    return s->paper ? g->paper_name : g->name;
+}
+
+void scenes_show_state(const struct scene *s, const double *p, const struct scale *scale,
+                       const struct input *u, const double *x, double *shown)
+{
+    const struct model *m = s->model;
+    if (s->paper)
+        m->paper_state(p, u, x, shown);
+    for (int i = 0; i < m->n_states && !s->paper; i++)
+        shown[i] = x[i] * scale_of(scale, m->state_signal[i].quantity);
+}
+
+void scenes_take_state(const struct scene *s, const double *p, const struct scale *scale,
+                       const struct input *u, const double *shown, double *x)
+{
+    const struct model *m = s->model;
+    if (s->paper)
+        m->state_from_paper(p, u, shown, x);
+    for (int i = 0; i < m->n_states && !s->paper; i++)
+        x[i] = shown[i] / scale_of(scale, m->state_signal[i].quantity);
+}
+
 /* Everything about time 0, model units. */
 struct beginning {
     double p[MODEL_DERIVED], x[MODEL_STATES];
@@ -74,12 +107,9 @@ static void begin(const struct scene *s, const double *si, const struct harmonic
     const struct model *m = s->model;
     m->prepare(si, b->p, &b->scale);
     m->rest(b->p, b->x);
-    for (int i = 0; i < m->n_inputs; i++)
-        b->u[i] = first_input(&drive[i], scale_of(&b->scale, m->input_signal[i].quantity), b->scale.time_s);
-    if (s->started && s->paper)
-        m->state_from_paper(b->p, b->u, s->start, b->x);
-    for (int i = 0; i < m->n_states && s->started && !s->paper; i++)
-        b->x[i] = s->start[i] / scale_of(&b->scale, m->state_signal[i].quantity);
+    scenes_inputs(m, &b->scale, drive, b->u);
+    if (s->started)
+        scenes_take_state(s, b->p, &b->scale, b->u, s->start, b->x);
 }
 
 void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x)

@@ -79,6 +79,18 @@ bool scenes_dimensionless(const struct scene *s);
 /* SI parameters, and the harmonic drive of each input (SI, real plant time). */
 void scenes_resolve(const struct scene *s, double *si, struct harmonic *drive);
 
+/* A state as the scene writes it: its name, and the states in SI or in the paper's symbols with `paper`; and
+ * back. p and scale are prepared from the scene; u: the inputs at that instant, model units. */
+const char *scenes_state_name(const struct scene *s, int i);
+void scenes_show_state(const struct scene *s, const double *p, const struct scale *scale,
+                       const struct input *u, const double *x, double *shown);
+void scenes_take_state(const struct scene *s, const double *p, const struct scale *scale,
+                       const struct input *u, const double *shown, double *x);
+
+/* The inputs of a model's drives at time 0, model units. */
+void scenes_inputs(const struct model *m, const struct scale *scale, const struct harmonic *drive,
+                   struct input *u);
+
 /* The initial state in model units, for these parameters and drives. */
 void scenes_begin(const struct scene *s, const double *si, const struct harmonic *drive, double *x);
 

@@ -162,14 +162,21 @@ static size_t n_scratch(const struct model *m)
     return sizeof(struct taylor) / sizeof(double);
 }
 
+/* The tolerance that is kept where this one is allowed. */
+static double tolerance_of(double tol)
+{
+    if (tol == 0.0)
+        return METHOD_TOL_DEFAULT;
+    return tol < TAYLOR_TOL_MOST ? tol : TAYLOR_TOL_MOST;
+}
+
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
 {
     if (!m->hertz_form && !m->polynomial_form)
         return "taylor has no series for this model: it needs one Hertzian contact or a polynomial force";
-    if (tol == 0.0)
-        tol = METHOD_TOL_DEFAULT;
-    if (!(tol >= METHOD_TOL_MIN && tol <= METHOD_TOL_MAX))
-        return "taylor: tolerance outside 1e-13..1e-2";
+    if (tol != 0.0 && !(tol >= METHOD_TOL_MIN && tol <= METHOD_TOL_MAX))
+        return "taylor: tolerance outside 1e-13..0.1";
+    tol = tolerance_of(tol);
     double rate = m->eigenfrequency(p);
     if (!(h * rate <= 2.0 * PIECES * exponential(logarithm(tol) / TAYLOR_ORDER)))
         return "step too long for taylor: it would take more series than the budget of one step";
@@ -184,7 +191,7 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     (void)h;
     memset(t, 0, sizeof *t);
     m->rest(p, rest);
-    t->tol = tol == 0.0 ? METHOD_TOL_DEFAULT : tol;
+    t->tol = tolerance_of(tol);
     t->log2_tol = logarithm(t->tol) * 1.4426950408889634;
     t->rest = rest[0];
     t->rate_scale = m->eigenfrequency(p);

@@ -52,7 +52,7 @@ static const struct usage basin_usage = {
     .table = {basin_options, jobs_options},
 };
 
-/* Job i: a block of starts. A start is in SI as in its row; the model's units are computed from there. */
+/* Job i: a block of starts. A start has the numbers of its row; the model's units are computed from there. */
 static bool compute(void *context, int i, FILE *rows)
 {
     const struct basin *b = context;
@@ -61,11 +61,9 @@ static bool compute(void *context, int i, FILE *rows)
     struct basin_motion motion[BASIN_BLOCK];
     int first = i * BASIN_BLOCK, n = b->starts.n - first < BASIN_BLOCK ? b->starts.n - first : BASIN_BLOCK;
     for (int k = 0; k < n; k++) {
-        basin_starts_get(&b->starts, first + k, row[k].x);
-        for (int j = 0; j < b->plant.model->n_states; j++) {
-            row[k].x[j] *= basin_unit(b, j, NULL);
-            x[k][j] = row[k].x[j] / basin_unit(b, j, NULL);
-        }
+        basin_starts_get(&b->starts, first + k, x[k]);
+        basin_show(b, x[k], row[k].x);
+        basin_take(b, row[k].x, x[k]);
     }
     const char *why = basin_motion_find(&b->plant, &b->patience, n, x, motion);
     if (why)
@@ -73,6 +71,7 @@ static bool compute(void *context, int i, FILE *rows)
     for (int k = 0; k < n; k++) {
         row[k].start = first + k;
         row[k].motion = motion[k];
+        basin_show(b, motion[k].end, row[k].end);
         rows_write(&b->m.rows, &row[k], true, rows);
     }
     return true;

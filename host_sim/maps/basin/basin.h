@@ -20,9 +20,10 @@ struct basin {
 /* A start and where it leads. */
 struct basin_row {
     int start;
-    double x[MODEL_STATES]; /* SI */
+    double x[MODEL_STATES]; /* as the scene writes it */
     struct basin_motion motion;
-    int attractor; /* its number, -1 for none; no column */
+    double end[MODEL_STATES]; /* motion.end as the scene writes it */
+    int attractor;            /* its number, -1 for none; no column */
 };
 
 /* The command line into *b: scene, method, starts, columns, identity. 0, or the exit status after a line. */
@@ -31,10 +32,15 @@ int basin_read(struct basin *b);
 /* Makes the table of columns of this scene and plant. */
 void basin_describe_rows(struct basin *b);
 
-/* SI value of a model unit of state i, and its unit; 1 where the scene's numbers have none.
- * basin_peak_unit does so for the peak. */
-double basin_unit(const struct basin *b, int i, const char **unit);
+/* The unit of state i as the scene writes it; "" where the scene's numbers have none. */
+const char *basin_unit(const struct basin *b, int i);
+
+/* SI value of a model unit of the observable. */
 double basin_peak_unit(const struct basin *b);
+
+/* A state as the scene writes it, at phase 0 of the drives, in model units; and back. */
+void basin_show(const struct basin *b, const double *x, double *shown);
+void basin_take(const struct basin *b, const double *shown, double *x);
 
 /* The attractors in the rows of `path`: a table on standard output, the picture --svg and the page --report.
  * 0, or the exit status after a line. */

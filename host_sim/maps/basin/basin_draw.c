@@ -67,20 +67,17 @@ struct axis {
 
 static void axis_of(const struct basin *b, const struct basin_row *row, int n, int i, struct axis *a)
 {
-    const char *unit;
-    (void)basin_unit(b, i, &unit);
+    const char *name = scenes_state_name(&b->m.scene, i), *unit = basin_unit(b, i);
     double low = (double)INFINITY, high = -(double)INFINITY;
     for (int j = 0; j < n; j++)
         chart_range_add(&low, &high, &row[j].x[i], 1);
     chart_range_finish(&low, &high);
     double most = fmax(fabs(low), fabs(high));
-    bool bare = scenes_dimensionless(&b->m.scene);
-    const char *prefix = bare || most >= 0.5 ? "" : most >= 5e-4 ? "m" : most >= 5e-7 ? "u" : "n";
+    const char *prefix = !*unit || most >= 0.5 ? "" : most >= 5e-4 ? "m" : most >= 5e-7 ? "u" : "n";
     a->unit = *prefix == 'm' ? 1e-3 : *prefix == 'u' ? 1e-6 : *prefix == 'n' ? 1e-9 : 1.0;
     a->low = low / a->unit;
     a->high = high / a->unit;
-    snprintf(a->label, sizeof a->label, "start %s (%s%s)", b->plant.model->state_signal[i].name, prefix,
-             unit);
+    snprintf(a->label, sizeof a->label, *unit ? "start %s (%s%s)" : "start %s", name, prefix, unit);
 }
 
 /* Degree of freedom i: start velocity over start position. Rare classes have larger dots, and lie on top. */

@@ -62,13 +62,10 @@ static void put_plane(struct html *h, const struct basin *b, const struct basin_
                       const struct basin_row *row, int n, int every, int i, double *x, double *y)
 {
     int v = b->plant.model->n_states / 2 + i;
-    const char *x_unit, *y_unit;
     char name[TEXT], x_name[TEXT];
-    (void)basin_unit(b, i, &x_unit);
-    (void)basin_unit(b, v, &y_unit);
-    snprintf(name, sizeof name, "start %s", b->plant.model->state_signal[v].name);
-    snprintf(x_name, sizeof x_name, "start %s", b->plant.model->state_signal[i].name);
-    html_chart(h, name, y_unit, x_name, x_unit);
+    snprintf(name, sizeof name, "start %s", scenes_state_name(&b->m.scene, v));
+    snprintf(x_name, sizeof x_name, "start %s", scenes_state_name(&b->m.scene, i));
+    html_chart(h, name, basin_unit(b, v), x_name, basin_unit(b, i));
     for (int k = 0; k < BASIN_CLASSES; k++) {
         size_t m = 0;
         for (int j = 0; j < n; j += every) {

@@ -40,6 +40,7 @@ const char *basin_map_read(struct basin_plant *b, const struct scene *s)
         b->drive[i].amplitude /= scale_of(&b->scale, b->model->input_signal[i].quantity);
         b->drive[i].omega *= b->scale.time_s;
     }
+    scenes_inputs(b->model, &b->scale, b->si_drive, b->begin);
     const char *why = basin_map_period(b);
     for (int i = 0; i < b->model->n_inputs && !why; i++)
         if (b->turns[i] == 1.0)

@@ -20,6 +20,7 @@ struct basin_plant {
     struct scale scale;
     struct harmonic drive[MODEL_INPUTS]; /* omega per model time */
     double turns[MODEL_INPUTS];          /* whole turns of each drive in a forcing period */
+    struct input begin[MODEL_INPUTS];    /* the drives at phase 0 */
     double period;                       /* model time */
     double period_s;                     /* SI */
     const struct method *method;         /* not auto */

@@ -109,31 +109,55 @@ static void default_box(const struct basin_plant *q, struct basin_box *box)
     }
 }
 
+/* The state that --box NAME=.. is about. 0, or the exit status after a line. */
+static int find_state(const struct basin *b, const char *text, int *which)
+{
+    const char *names[MODEL_STATES];
+    char name[64];
+    int n = b->plant.model->n_states;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    for (*which = 0; *which < n; ++*which) {
+        names[*which] = scenes_state_name(&b->m.scene, *which);
+        if (!strcmp(names[*which], name))
+            return 0;
+    }
+    const char *nearest = options_nearest(name, names, n);
+    return options_misuse(b->m.o.usage, "--box %s: %s has no such state; did you mean %s?", text, b->m.name,
+                          nearest ? nearest : names[0]);
+}
+
+/* The place of state `which`, given as the scene writes it, in model units. Each state alone decides its own
+ * place. */
+static double place_of(const struct basin *b, int which, double shown)
+{
+    double all[MODEL_STATES] = {0.0}, x[MODEL_STATES];
+    all[which] = shown;
+    basin_take(b, all, x);
+    return x[which];
+}
+
+/* A paper may count the other way. False: too far away. */
+static bool set_side(const struct basin *b, int which, double low, double high, struct basin_box *box)
+{
+    double from = place_of(b, which, low), to = place_of(b, which, high);
+    box->low[which] = fmin(from, to);
+    box->high[which] = fmax(from, to);
+    return box->low[which] >= -BASIN_LIMIT && box->high[which] <= BASIN_LIMIT;
+}
+
 /* NAME=LO:HI */
 static int read_side(const struct basin *b, const char *text, struct basin_box *box)
 {
-    const struct model *m = b->plant.model;
-    const char *names[MODEL_STATES], *unit = "", *equal = strchr(text, '=');
-    const char *colon = equal ? strchr(equal, ':') : NULL;
-    char name[64], why[UNIT_REASON] = "write NAME=LO:HI";
-    int which = -1;
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
-    for (int i = 0; i < m->n_states; i++) {
-        names[i] = m->state_signal[i].name;
-        which = strcmp(names[i], name) ? which : i;
-    }
-    if (which < 0) {
-        const char *nearest = options_nearest(name, names, m->n_states);
-        return options_misuse(b->m.o.usage, "--box %s: %s has no such state; did you mean %s?", text, m->name,
-                              nearest ? nearest : names[0]);
-    }
-    double one = basin_unit(b, which, &unit);
-    bool good = colon && unit_read(equal + 1, (size_t)(colon - equal - 1), unit, &box->low[which], why) &&
-                unit_read(colon + 1, strlen(colon + 1), unit, &box->high[which], why);
-    box->low[which] /= one;
-    box->high[which] /= one;
-    if (good && !(box->low[which] <= box->high[which] && box->low[which] >= -BASIN_LIMIT &&
-                  box->high[which] <= BASIN_LIMIT))
+    const char *equal = strchr(text, '='), *colon = equal ? strchr(equal, ':') : NULL;
+    char why[UNIT_REASON] = "write NAME=LO:HI";
+    double low = 0.0, high = 0.0;
+    int which, status = find_state(b, text, &which);
+    if (status)
+        return status;
+    const char *unit = basin_unit(b, which);
+    bool good = colon && unit_read(equal + 1, (size_t)(colon - equal - 1), unit, &low, why) &&
+                unit_read(colon + 1, strlen(colon + 1), unit, &high, why);
+    if (good && !(low <= high && set_side(b, which, low, high, box)))
         good = snprintf(why, sizeof why,
                         "LO is at most HI, and both within 1e6 of the contact's length or speed") < 0;
     return good ? 0 : options_misuse(b->m.o.usage, "--box %s: %s", text, why);
@@ -157,7 +181,7 @@ static int read_starts(struct basin *b)
 
 static int identify(struct basin *b)
 {
-    FILE *f = maps_open_identity(&b->m, "basin 3");
+    FILE *f = maps_open_identity(&b->m, "basin 4");
     if (f) {
         fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name,
                 b->plant.steps, b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound,

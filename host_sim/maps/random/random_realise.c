@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/scene/scene_check.h"
 
 /* Counts an up-crossing of each edge in [from, to). */
@@ -71,14 +72,14 @@ static void finish(const struct random_runs *r, const struct plant *pl, uint32_t
 const char *random_realise(const struct random_runs *r, int i, double over, double *row)
 {
     static struct plant pl;
-    double y[3], output[MODEL_OUTPUTS], ticks = ceil(over / scene_check_step(&r->m.scene));
+    double y[3], output[MODEL_OUTPUTS], ticks = ceil(ticks_in(over, scene_check_step(&r->m.scene)));
     int asked = (int)r->m.scene.observable;
     const char *why = begin(r, i, &pl);
     if (why)
         return why;
     memset(row, 0, (size_t)random_columns(r) * sizeof *row);
     row[RANDOM_SEED] = i;
-    if (!plant_run(&pl, (uint64_t)ceil(r->settle / pl.tick_s)))
+    if (!plant_run(&pl, ticks_begun(r->settle, pl.tick_s)))
         return NULL;
     plant_output(&pl, output);
     y[1] = y[2] = output[asked];

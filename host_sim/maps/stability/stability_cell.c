@@ -3,13 +3,11 @@
 
 #include <math.h>
 #include "firmware/app/plant_scene.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"
 
 static const double truth_tol = 1e-11, truth_rad = 0.2;
-
-/* Rounding errors of n below this add no step. */
-static const double whole = 1e-9;
 
 const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell)
 {
@@ -63,7 +61,7 @@ const char *stability_contact_cell(const struct stability *s, const struct scene
     struct outcome truth, method;
     maps_resolve(scene, &q);
     double rate = scene->model->eigenfrequency(q.p) / q.scale.time_s, finer = ceil(step * rate / truth_rad);
-    uint64_t ticks = (uint64_t)ceil(2.0 * ELEMENTARY_PI * s->periods / (rate * step) - whole);
+    uint64_t ticks = ticks_begun(2.0 * ELEMENTARY_PI * s->periods, rate * step);
     struct plant_config c = {.model = scene->model,
                              .si = q.si,
                              .method = &auto_method,

@@ -41,9 +41,10 @@ struct sweep_harmonic {
     uint32_t n, m; /* n/m times the frequency of the reference */
 };
 
-/* The state in which a point ended; SI, or the paper's numbers. */
+/* The state in which a point ended. */
 struct sweep_state {
-    double x[MODEL_STATES];
+    double x[MODEL_STATES];     /* SI; a dimensionless scene's model has a scale of 1 */
+    double shown[MODEL_STATES]; /* as the scene writes it: the numbers of the row */
     uint64_t phase[MODEL_INPUTS];
 };
 
@@ -104,6 +105,9 @@ int sweep_read(struct sweep *s);
 
 /* The slowest drive that sounds, or -1. */
 int sweep_reference(const struct scene *s);
+
+/* Takes at->x from at->shown, at the end of a point of this scene. */
+void sweep_take_state(const struct sweep *s, const struct scene *scene, struct sweep_state *at);
 
 /* NULL, or why the plant refuses this point of the scene. */
 const char *sweep_check(struct sweep *s, const struct scene *scene);

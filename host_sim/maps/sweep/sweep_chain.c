@@ -93,9 +93,16 @@ static void write_row(const struct chain *c, enum sweep_kind kind, const struct 
 /* A chain continues from the numbers in its file, so that a resumed one has the same bits. */
 static bool read_row(const struct sweep *s, const char *line, struct sweep_result *r)
 {
-    bool good = rows_read(&s->m.rows, line, r);
+    struct scene scene = s->m.scene;
+    if (!rows_read(&s->m.rows, line, r))
+        return false;
+    if (s->family.n)
+        scene_range_set(&scene, &s->family, r->family);
+    scene_range_set(&scene, &s->range, r->value);
     r->escaped = r->kind == SWEEP_ESCAPED;
-    return good;
+    if (!r->escaped)
+        sweep_take_state(s, &scene, &r->end);
+    return true;
 }
 
 /* ---- chance ---- */

@@ -134,13 +134,43 @@ static void scene_start(const struct scene *scene, const struct setup *u, struct
         at->phase[i] = turns_of(u->q.drive[i].phase / TURN_RAD);
 }
 
-static void leave(const struct plant *pl, struct sweep_state *at)
+/* The inputs where the drives have these phases. */
+static void inputs_at(const struct setup *u, const struct model *m, const struct sweep_state *at,
+                      struct input *input)
 {
+    struct harmonic drive[MODEL_INPUTS];
+    for (int i = 0; i < m->n_inputs; i++) {
+        drive[i] = u->q.drive[i];
+        drive[i].phase = turns_to_double(at->phase[i]) * TURN_RAD;
+    }
+    scenes_inputs(m, &u->q.scale, drive, input);
+}
+
+static void leave(const struct scene *scene, const struct setup *u, const struct plant *pl,
+                  struct sweep_state *at)
+{
+    struct input input[MODEL_INPUTS];
     for (int i = 0; i < pl->model->n_states; i++)
         at->x[i] = pl->x[i] * scale_of(&pl->scale, pl->model->state_signal[i].quantity);
     for (int i = 0; i < pl->model->n_inputs; i++)
         if (drive_active(&pl->drive[i]))
             at->phase[i] = pl->drive[i].carrier + pl->drive[i].offset;
+    inputs_at(u, pl->model, at, input);
+    scenes_show_state(scene, u->q.p, &u->q.scale, input, pl->x, at->shown);
+}
+
+void sweep_take_state(const struct sweep *s, const struct scene *scene, struct sweep_state *at)
+{
+    struct setup u;
+    struct input input[MODEL_INPUTS];
+    memcpy(at->x, at->shown, sizeof at->x);
+    if (!scene->paper)
+        return;
+    set_up(s, scene, &u);
+    inputs_at(&u, scene->model, at, input);
+    scenes_take_state(scene, u.q.p, &u.q.scale, input, at->shown, at->x);
+    for (int i = 0; i < scene->model->n_states; i++)
+        at->x[i] *= scale_of(&u.q.scale, scene->model->state_signal[i].quantity);
 }
 
 /* ---- measuring ---- */
@@ -218,7 +248,7 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     if (why || !plant_run(&s->plant, (uint64_t)ticks * settling(s, &u)))
         return why;
     uint32_t unlocated = s->plant.counts.budget;
-    leave(&s->plant, &r->end);
+    leave(scene, &u, &s->plant, &r->end);
     ticks = ticks_of(s, scene, &u, &fine);
     why = put_plant(s, scene, &u, ticks, false, &r->end);
     if (why)
@@ -235,6 +265,6 @@ const char *sweep_point(struct sweep *s, const struct scene *scene, double value
     r->settled = r->change / (1.0 - exp(-half / u.fall));
     r->unlocated = unlocated + s->plant.counts.budget;
     r->escaped = false;
-    leave(&s->plant, &r->end);
+    leave(scene, &u, &s->plant, &r->end);
     return NULL;
 }

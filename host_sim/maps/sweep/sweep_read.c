@@ -208,17 +208,17 @@ static void describe_rows(struct sweep *s)
     for (size_t i = 0; i < sizeof result / sizeof result[0]; i++)
         rows_add(t, &result[i]);
     for (int i = 0; i < m->n_states; i++) {
-        const struct signal *x = &m->state_signal[i];
-        const struct rows_column end = {"end_", plain ? "" : x->unit, "a state", ROWS_NUMBER,
-                                        17,     .offset = AT(end.x)};
-        rows_add_item(t, &end, i, x->name);
+        const struct rows_column end = {"end_",    plain ? "" : m->state_signal[i].unit,
+                                        "a state", ROWS_NUMBER,
+                                        17,        .offset = AT(end.shown)};
+        rows_add_item(t, &end, i, scenes_state_name(&s->m.scene, i));
     }
     rows_add(t, &phases);
 }
 
 static int identify(struct sweep *s)
 {
-    FILE *f = maps_open_identity(&s->m, "sweep 4");
+    FILE *f = maps_open_identity(&s->m, "sweep 5");
     if (f) {
         scene_range_print(f, &s->range);
         scene_range_print(f, &s->family);

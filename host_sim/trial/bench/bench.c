@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/live/lockstep.h"
 #include "host_sim/trial/bench/bench_plant.h"
@@ -144,7 +145,7 @@ static bool turn(struct bench *b)
 static void run(struct bench *b)
 {
     const struct app_config *c = &b->plant.scene.config;
-    uint64_t frames = (uint64_t)ceil(b->c->over_s / c->frame_s - 1e-9),
+    uint64_t frames = ticks_begun(b->c->over_s, c->frame_s),
              limit = BENCH_SLOWER * frames + (uint64_t)(BENCH_START_S / c->frame_s);
     b->end_tick = frames * c->substeps;
     b->link.stopped_s = -1.0;

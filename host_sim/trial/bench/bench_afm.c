@@ -9,6 +9,7 @@
 #include "firmware/plant/hash.h"
 #include "host_sim/afm/afm_bench.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/trial/bench/controller.h"
 #include "host_sim/trial/trial_afm.h"
 #include "host_sim/trial/verdict.h"
@@ -129,11 +130,15 @@ static const char *apply(struct bench_afm *b, const struct trial_act *act, char 
     return why;
 }
 
-static const char *act(struct bench_afm *b, double now_s, char why[REASON])
+/* Does what the lines up to this sample say. */
+static const char *act(struct bench_afm *b, uint64_t sample, char why[REASON])
 {
     const char *reason = NULL;
-    for (; !reason && b->next_act < b->c->n_acts && b->c->act[b->next_act].at_s <= now_s; b->next_act++)
+    for (; !reason && b->next_act < b->c->n_acts; b->next_act++) {
+        if (ticks_begun(b->c->act[b->next_act].at_s, b->station.sample_s) > sample)
+            break;
         reason = apply(b, &b->c->act[b->next_act], why);
+    }
     return reason;
 }
 
@@ -144,7 +149,7 @@ bool bench_afm_approve(const struct trial *t, const struct trial_case *c, char *
     const char *reason = open_bench(&b, t, c, NULL, 1.0, text);
     if (!reason && c->varied >= 0)
         reason = open_bench(&b, t, c, &c->vary_to, 1.0, text);
-    reason = reason ? reason : act(&b, (double)INFINITY, text);
+    reason = reason ? reason : act(&b, UINT64_MAX, text);
     return !reason || scene_text_wrong(t->file, c->line, why, "[case %s]: %.400s", c->name, reason);
 }
 
@@ -200,10 +205,10 @@ static bool open_log(struct bench_afm *b, const struct bench_setting *s, struct 
 static void run_samples(struct bench_afm *b, struct bench_result *r)
 {
     char why[REASON];
-    uint64_t samples = (uint64_t)ceil(b->c->over_s / b->station.sample_s - 1e-9);
+    uint64_t samples = ticks_begun(b->c->over_s, b->station.sample_s);
     begin_measurements(b);
     while (b->sample < samples) {
-        const char *reason = act(b, (double)b->sample * b->station.sample_s + 1e-12, why);
+        const char *reason = act(b, b->sample, why);
         if (!reason && !station_run(&b->station, &b->in))
             reason = "the motion left the finite numbers; take more substeps or less ki";
         if (reason) {

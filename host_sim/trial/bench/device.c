@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/trial/bench/device_wire.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/live/explain.h"
@@ -250,7 +251,7 @@ static uint64_t tick_of(const struct device *d, const struct trial_act *a)
 {
     if (a->verb == TRIAL_FIRE)
         return d->wire.zero + trial_instant(a, d->frame_s / d->substeps).tick;
-    return d->wire.zero + (uint64_t)ceil(a->at_s / d->frame_s - 1e-9) * d->substeps;
+    return d->wire.zero + ticks_begun(a->at_s, d->frame_s) * d->substeps;
 }
 
 static void repeat_last(struct client *c, int input, double field[ARM_FIELDS])
@@ -354,8 +355,7 @@ static const char *state_name(const struct device *d)
 /* Until plant time has reached the end; false: it did not, and the result says why. */
 static void run(struct device *d)
 {
-    uint64_t frames = (uint64_t)ceil(d->c->over_s / d->frame_s - 1e-9),
-             end = d->wire.zero + frames * d->substeps;
+    uint64_t frames = ticks_begun(d->c->over_s, d->frame_s), end = d->wire.zero + frames * d->substeps;
     uint64_t first = d->client.latest.frame,
              limit = first + BENCH_SLOWER * frames + (uint64_t)(BENCH_START_S / d->frame_s);
     uint64_t heard = 0;

@@ -166,7 +166,7 @@ static const struct {
     {RIG "method = taylr\n", "a.ini:3: method: no method \"taylr\"; did you mean taylor?"},
     {RIG "method = exact\n", "a.ini:3: method: exact is for piecewise linear"},
     {RIG "method = rk4\n[deadline]\nsubsteps = 2\n", "a.ini:3: method: step too coarse for rk4"},
-    {RIG "method = taylor\n[ask]\ntolerance = 0.05\n", "a.ini:5: tolerance: taylor: tolerance outside"},
+    {RIG "method = taylor\n[ask]\ntolerance = 1e-14\n", "a.ini:5: tolerance: taylor: tolerance outside"},
     {RIG "damping = 1e6 N s/m\n", "a.ini:2: model: overdamped"},
     {RIG "[ask]\nobservable = depth\n",
      "a.ini:4: observable: no observable \"depth\"; there are displacement, "},

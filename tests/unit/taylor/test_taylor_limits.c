@@ -175,7 +175,8 @@ TEST(taylor_refusals)
     check_no_error("1e-12 is taken", taylor.refuse(&hertz_rig, p, 0.1, 1e-12));
     check_no_error("1e-3 is taken", taylor.refuse(&hertz_rig, p, 0.1, 1e-3));
     check_error("1e-15 is refused: below rounding", taylor.refuse(&hertz_rig, p, 0.1, 1e-15));
-    check_error("0.1 is refused", taylor.refuse(&hertz_rig, p, 0.1, 0.1));
+    check_no_error("0.1 is taken", taylor.refuse(&hertz_rig, p, 0.1, 0.1));
+    check_error("more is refused", taylor.refuse(&hertz_rig, p, 0.1, 0.11));
     check_error("a negative tolerance is refused", taylor.refuse(&hertz_rig, p, 0.1, -1e-9));
     check_error("no number is refused", taylor.refuse(&hertz_rig, p, 0.1, (double)NAN));
     check_error("a step of 50 radians is refused", taylor.refuse(&hertz_rig, p, 50.0, 1e-9));
