@@ -178,34 +178,33 @@ static const char *fail(struct memory *m, const char *why)
     return m->reason;
 }
 
-static void open_file(struct memory *m, const char *path)
+/* Memory that no process can make shorter or longer: a plant that touches it is never killed for that. */
+static bool open_sealed(struct memory *m)
 {
-    m->named = path != NULL;
-    m->file = path ? open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600)
-                   : memfd_create("contactplant", MFD_CLOEXEC);
-    if (path)
-        snprintf(m->path, sizeof m->path, "%s", path);
-    else
-        snprintf(m->path, sizeof m->path, "/proc/%ld/fd/%d", (long)getpid(), m->file);
-    m->named = m->named && m->file >= 0;
+    m->file = memfd_create("contactplant", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    if (m->file < 0 || fchmod(m->file, 0600) != 0 || ftruncate(m->file, sizeof *m->rings) != 0 ||
+        fcntl(m->file, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
+        return false;
+    void *rings = mmap(NULL, sizeof *m->rings, PROT_READ | PROT_WRITE, MAP_SHARED, m->file, 0);
+    m->rings = rings == MAP_FAILED ? NULL : rings;
+    return m->rings != NULL;
 }
 
 const char *memory_open(struct memory *m, const char *path)
 {
+    char own[MEMORY_PATH];
     memset(m, 0, sizeof *m);
     m->file = -1;
     if (path && strlen(path) >= sizeof m->path)
         return "memory: the path of the file is too long";
-    open_file(m, path);
-    if (m->file < 0)
+    bool good = open_sealed(m);
+    snprintf(own, sizeof own, "/proc/%ld/fd/%d", (long)getpid(), m->file);
+    snprintf(m->path, sizeof m->path, "%s", path ? path : own);
+    if (!good)
+        return fail(m, strerror(errno));
+    m->named = path && symlink(own, path) == 0;
+    if (path && !m->named)
         return fail(m, errno == EEXIST ? "exists; another plant has it, or remove it" : strerror(errno));
-    if (ftruncate(m->file, sizeof *m->rings) != 0)
-        return fail(m, strerror(errno));
-    m->rings = mmap(NULL, sizeof *m->rings, PROT_READ | PROT_WRITE, MAP_SHARED, m->file, 0);
-    if (m->rings == MAP_FAILED) {
-        m->rings = NULL;
-        return fail(m, strerror(errno));
-    }
     cannelloni_begin(&m->packet, 0);
     m->hal = (struct hal){m, receive, append, flush, stand, clock_no_watchdog};
     return NULL;

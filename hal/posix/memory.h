@@ -63,8 +63,9 @@ struct memory {
     int fault;                /* hal_fault bits for the next recv */
 };
 
-/* Makes the file at this path, where none may be; NULL: one without a name, found under m->path as long as
- * this process runs. NULL, or the reason. It must stay where it is. */
+/* Makes memory whose length nobody can change, so that no other process can end this one through it. At this
+ * path, where nothing may be, it is found by a link to a file of this process; NULL: under m->path. Both end
+ * with this process. NULL, or the reason. It must stay where it is. */
 const char *memory_open(struct memory *m, const char *path);
 
 /* True when the word of the next bus frame is here; sleeps at most `ms` for it. */

@@ -2,6 +2,7 @@
 """test_lockstep.py PROGRAM - contactplant run --lockstep between processes: runs that are paced or not, stopped or not,
 are equal to the byte; silence, death and strangers end as they should. Everything is judged by bytes, hashes and exit
 statuses, nothing by time. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+import json
 import mmap
 import os
 import re
@@ -326,6 +327,21 @@ def test_memory():
     p.terminate()
     end(p)
     verdict("SIGTERM: the memory is gone, too", not os.path.exists(name))
+    report = os.path.join(directory, "memory.json")
+    p = start(program, "run", "--lockstep", "--bus", "memory:" + name, "--patience", "0.5", "--json", report, *log("cut.log"))
+    until(lambda: os.path.exists(name))
+    with open(name, "r+b") as f, mmap.mmap(f.fileno(), 2 * ring) as m:
+        struct.pack_into("<I5s", m, slots, 5, b"\2\0\0\0\0")
+        struct.pack_into("<I", m, written, 1)
+        for cut in (lambda: os.truncate(name, 0), lambda: open(name, "wb"), lambda: f.truncate(1)):
+            try:
+                cut()
+                verdict("a peer that makes the memory shorter", False, "it can")
+            except OSError:
+                pass
+    equal("a peer that would make the memory shorter, then silence: status", end(p), 4)
+    verdict("  a report, JSON, and no file left", "frames 1 of" in p.out and json.load(open(report))["model"] and not os.path.lexists(name), p.out + p.err)
+    equal("  its log replays", end(start(program, "replay", os.path.join(directory, "cut.log"))), 0)
     open(name, "w").close()
     p = start(program, "run", "--lockstep", "--bus", "memory:" + name)
     verdict("a file that is there is left alone", end(p) == 1 and "exists; another plant has it" in p.err and os.path.exists(name), p.err)

@@ -260,6 +260,34 @@ TEST(memory_slow_controller)
     close_rings();
 }
 
+/* Who has the path cannot make the memory shorter or longer, by any call that would. */
+static void check_sealed(const char *path)
+{
+    struct stat s;
+    int file = open(path, O_RDWR);
+    check_is("another process opens it", file, >=, 0);
+    check_is("truncate to nothing", truncate(path, 0), <, 0);
+    check_is("ftruncate to one byte less", ftruncate(file, sizeof(struct memory_rings) - 1), <, 0);
+    check_is("ftruncate to more", ftruncate(file, 2 * sizeof(struct memory_rings)), <, 0);
+    check_is("open with O_TRUNC", open(path, O_RDWR | O_TRUNC), <, 0);
+    check_is("the seals cannot be changed", fcntl(file, F_ADD_SEALS, F_SEAL_WRITE), <, 0);
+    fstat(file, &s);
+    check_int("it is as long as it was, bytes", s.st_size, sizeof(struct memory_rings));
+    close(file);
+}
+
+TEST(memory_sealed)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/contactplant_test_%ld", (long)getpid());
+    check_no_error("without a name", memory_open(&plant_memory, NULL));
+    check_sealed(plant_memory.path);
+    memory_close(&plant_memory);
+    check_no_error("with a name", memory_open(&plant_memory, path));
+    check_sealed(path);
+    memory_close(&plant_memory);
+}
+
 TEST(memory_named)
 {
     char path[64];
