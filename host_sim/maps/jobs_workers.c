@@ -125,14 +125,15 @@ static bool start_worker(struct team *t, int i)
     fflush(NULL); /* else both processes write what is buffered */
     pid_t pid = fork();
     if (pid == 0) {
-        for (int k = 0; k < i; k++)
-            close(t->worker[k].to), close(t->worker[k].from);
+        for (int k = 0; k < t->n; k++)
+            if (k != i)
+                close(t->worker[k].to), close(t->worker[k].from);
         close(to[1]), close(from[0]);
         work(t->w, to[0], from[1]);
     }
     close(to[0]), close(from[1]);
     t->worker[i] = (struct worker){pid > 0 ? pid : 0, to[1], from[0], -1};
-    t->n = i + 1;
+    t->n = i < t->n ? t->n : i + 1;
     return pid > 0;
 }
 
@@ -148,25 +149,55 @@ static bool give_job(struct team *t, struct worker *v)
     return write_all(v->to, &job, sizeof job);
 }
 
-static bool died(struct team *t, const struct worker *v)
+static bool cannot_start(struct team *t)
 {
-    snprintf(t->why, JOBS_REASON, "the process at job %d ended without an answer", v->job);
+    return snprintf(t->why, JOBS_REASON, "no further process: %s", strerror(errno)) < 0;
+}
+
+/* The place of a process that ended without an answer gets another process, if there are more jobs. */
+static bool replace(struct team *t, int i)
+{
+    struct worker *v = &t->worker[i];
+    int status = 0, job = v->job;
+    if (!t->w->lose)
+        return snprintf(t->why, JOBS_REASON, "the process at job %d ended without an answer", job) < 0;
+    kill(v->pid, SIGKILL);
+    (void)waitpid(v->pid, &status, 0);
+    close(v->to), close(v->from);
+    *v = (struct worker){0, -1, -1, -1};
+    t->busy--;
+    if (!t->w->lose(t->w->taker, job, status))
+        return snprintf(t->why, JOBS_REASON, "out of memory") < 0;
+    return t->next == t->w->end || start_worker(t, i) ? true : cannot_start(t);
+}
+
+static bool employ(struct team *t, int i)
+{
+    bool good = true;
+    while (good && !give_job(t, &t->worker[i]))
+        good = replace(t, i);
+    return good;
+}
+
+/* Text is to be freed. False: the process has ended, or memory has. */
+static bool read_answer(const struct worker *v, struct answer *a, char **text)
+{
+    *text = read_all(v->from, a, sizeof *a) ? calloc(a->bytes + 1, 1) : NULL;
+    if (*text && read_all(v->from, *text, a->bytes))
+        return true;
+    free(*text);
     return false;
 }
 
-static bool take_answer(struct team *t, struct worker *v)
+static bool take_answer(struct team *t, int i)
 {
     struct answer a;
-    char *text = NULL;
-    if (!read_all(v->from, &a, sizeof a) || !(text = calloc(a.bytes + 1, 1)))
-        return died(t, v);
-    bool good = read_all(v->from, text, a.bytes) ? true : died(t, v);
+    char *text;
+    if (!read_answer(&t->worker[i], &a, &text))
+        return replace(t, i) && employ(t, i);
     t->busy -= a.last;
-    if (good && !a.good) {
+    if (!a.good) {
         snprintf(t->why, JOBS_REASON, "job %d: %s", (int)a.job, text);
-        good = false;
-    }
-    if (!good) {
         free(text);
         return false;
     }
@@ -174,7 +205,15 @@ static bool take_answer(struct team *t, struct worker *v)
         snprintf(t->why, JOBS_REASON, "the rows cannot be written (%s)", strerror(errno));
         return false;
     }
-    return !a.last || give_job(t, v) ? true : died(t, v);
+    return !a.last || employ(t, i);
+}
+
+/* A process that was stopped by its job, not with all others, goes on. */
+static void wake(const struct worker *v)
+{
+    siginfo_t found = {.si_pid = 0};
+    if (v->pid && !waitid(P_PID, (id_t)v->pid, &found, WSTOPPED | WNOHANG) && found.si_pid)
+        kill(v->pid, SIGCONT);
 }
 
 static bool serve(struct team *t)
@@ -188,8 +227,10 @@ static bool serve(struct team *t)
         if (clock_interrupted())
             return snprintf(t->why, JOBS_REASON, "interrupted") < 0;
         for (int i = 0; i < t->n; i++)
-            if (fd[i].fd >= 0 && fd[i].revents && !take_answer(t, &t->worker[i]))
+            if (fd[i].fd >= 0 && fd[i].revents && !take_answer(t, i))
                 return false;
+        for (int i = 0; i < t->n && t->w->lose; i++)
+            wake(&t->worker[i]);
     }
     return true;
 }
@@ -213,11 +254,9 @@ bool workers_run(const struct workers *w, char *why)
     bool good = true;
     clock_catch_signals();
     for (int i = 0; good && i < n; i++)
-        if (!start_worker(&t, i))
-            good = snprintf(why, JOBS_REASON, "no further process: %s", strerror(errno)) < 0;
+        good = start_worker(&t, i) ? true : cannot_start(&t);
     for (int i = 0; good && i < t.n; i++)
-        if (!give_job(&t, &t.worker[i]))
-            good = died(&t, &t.worker[i]);
+        good = employ(&t, i);
     if (good)
         good = serve(&t);
     end_workers(&t, good);

@@ -12,7 +12,10 @@ struct workers {
     void *context;
     /* Called in this process for each piece and job that ends; frees text. */
     bool (*take)(void *taker, int job, char *text, bool last);
-    void *taker;
+    /* Called for a job whose process ended without an answer, with its status as of waitpid. The other jobs
+     * go on, and a process that was stopped is woken. NULL: the end of such a process ends all. */
+    bool (*lose)(void *taker, int job, int status);
+    void *taker;   /* the first argument of both */
     int next, end; /* jobs */
     int n;         /* processes */
 };

@@ -1,10 +1,12 @@
 /* html.c - see html.h. */
 #include "host_sim/report/html.h"
+#include "host_sim/cli/shell.h"
 #include "host_sim/version.h"
 #include "host_sim/report/page.h"
 
 #include <errno.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { LINE = 4096 };
@@ -60,22 +62,18 @@ static void put_member(struct html *h, const char *name, const char *text)
     json_item(&h->json, "'%r':%s", name, text);
 }
 
-/* A word of a command line as a shell takes it. */
-static size_t quote(char *to, size_t room, const char *word)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
-    const char *mark = *word && word[strspn(word, plain)] == 0 ? "" : strchr(word, '\'') ? "\"" : "'";
-    int n = snprintf(to, room, " %s%s%s", mark, word, mark);
-    return n < 0 ? 0 : (size_t)n < room ? (size_t)n : room ? room - 1 : 0;
-}
-
 static void put_command(struct html *h, int argc, char **argv)
 {
-    char text[LINE] = "contactplant";
-    size_t n = strlen(text);
-    for (int i = 0; i < argc; i++)
-        n += quote(text + n, sizeof text - n, argv[i]);
-    put_member(h, "command", text);
+    char *text = NULL;
+    size_t size;
+    FILE *f = open_memstream(&text, &size);
+    if (f)
+        fputs("contactplant", f);
+    for (int i = 0; f && i < argc; i++)
+        shell_put_word(f, argv[i]);
+    if (f && fclose(f) == 0)
+        put_member(h, "command", text);
+    free(text);
 }
 
 const char *html_begin(struct html *h, const char *path, const char *command, const char *name, int argc,

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/shell.h"
 
 enum { FILE_SHOWN = 120 /* a file's name in a message is cut to it */ };
 
@@ -81,11 +82,38 @@ static int odd_byte(const char *at, size_t n)
     return 0;
 }
 
+/* Whether the line is the value of the key whose quotes protect. */
+static bool is_shell_line(const struct scene_text *t, struct word line)
+{
+    const char *equal = t->shell_key ? memchr(line.at, '=', line.n) : NULL;
+    return equal &&
+           scene_text_is(scene_text_trimmed((struct word){line.at, (size_t)(equal - line.at)}), t->shell_key);
+}
+
+/* Takes the comment off a line. False: a quote of a command does not end, and t->why says so. */
+static bool cut_comment(const struct scene_text *t, struct word *line)
+{
+    struct shell_place place = {0, false};
+    bool shell = is_shell_line(t, *line);
+    size_t used = 0;
+    for (; used < line->n; used++) {
+        if (!shell_is_protected(&place) && (line->at[used] == '#' || line->at[used] == ';'))
+            break;
+        if (shell)
+            shell_pass(&place, line->at[used]);
+    }
+    line->n = used;
+    if (place.quote)
+        return scene_text_wrong(t->file, t->line, t->why, "%s: the quote %c does not end; write it once more",
+                                t->shell_key, place.quote);
+    return true;
+}
+
 bool scene_text_next(struct scene_text *t, struct word *w)
 {
     while (t->rest.n) {
         const char *text = t->rest.at, *end = memchr(text, '\n', t->rest.n);
-        size_t length = end ? (size_t)(end - text) : t->rest.n, used = 0;
+        size_t length = end ? (size_t)(end - text) : t->rest.n;
         int odd = odd_byte(text, length < SCENE_FILE_LINE ? length : SCENE_FILE_LINE);
         t->line++;
         if (odd)
@@ -95,9 +123,10 @@ bool scene_text_next(struct scene_text *t, struct word *w)
                 t->what);
         if (length > SCENE_FILE_LINE)
             return scene_text_wrong(t->file, t->line, t->why, "longer than %d characters", SCENE_FILE_LINE);
-        while (used < length && text[used] != '#' && text[used] != ';')
-            used++;
-        *w = scene_text_trimmed((struct word){text, used});
+        struct word line = {text, length};
+        if (!cut_comment(t, &line))
+            return false;
+        *w = scene_text_trimmed(line);
         t->rest.at += length + (end != NULL);
         t->rest.n -= length + (end != NULL);
         if (w->n)

@@ -35,6 +35,7 @@ const char *scene_text_advice(struct word w, const char *const *name, int n,
 /* A text, and how far it was read. All but `line` is the caller's to set. */
 struct scene_text {
     const char *file, *what; /* "scene" */
+    const char *shell_key;   /* in the value of this key quotes protect # and ;, as in a shell; or NULL */
     char *why;
     struct word rest;
     int line; /* that was taken last */

@@ -2,8 +2,13 @@
 #include "host_sim/trial/report.h"
 
 #include <math.h>
+#include <unistd.h>
+#include "host_sim/cli/shell.h"
 #include "host_sim/out/json.h"
 #include "host_sim/out/xml.h"
+#include "host_sim/trial/record.h"
+
+enum { HOST_NAME = 256 };
 
 const char *const report_verdict[] = {"ok", "untested", "FAIL", "error"};
 
@@ -17,14 +22,28 @@ static void print_which(FILE *out, const struct report_case *r)
         return;
     fprintf(out, "      %d of %d runs; %s", r->n_bad, r->n_runs,
             w->verdict == VERDICT_OK ? "the first" : "this one");
-    if (r->c->n_seeds > 1)
+    if (r->c->names_seed)
         fprintf(out, " seed %u", w->seed);
     if (w->varied)
         fprintf(out, " at %.6g", w->varied_value);
     fprintf(out, "\n");
 }
 
-void report_print(FILE *out, const struct report_case *r)
+/* A command for a shell, which runs the case alone and records it. */
+static void print_again(FILE *out, const struct report_case *r, const char *options)
+{
+    const struct shell_place bare = {0, false};
+    char folder[TRIAL_RECORD];
+    fprintf(out, "      again: contactplant test %s", *r->trial->file == '-' ? "./" : ""); /* no option */
+    shell_put(out, bare, r->trial->file);
+    fputs(*r->c->name == '-' ? " --case=" : " --case ", out);
+    shell_put(out, bare, r->c->name);
+    if (r->c->names_seed)
+        fprintf(out, " --seed %u", r->worst->seed);
+    fprintf(out, "%s --log %s\n", options, record_safe_folder(r->trial, folder));
+}
+
+void report_print(FILE *out, const struct report_case *r, const char *options)
 {
     const struct bench_result *w = r->worst;
     fprintf(out, "%-8s  %-24s %8.6g s of plant in %.2f s", report_verdict[w->verdict], r->c->name, r->plant_s,
@@ -43,10 +62,7 @@ void report_print(FILE *out, const struct report_case *r)
             fprintf(out, "      %s:%d: expect %s: %s\n", r->trial->file, o->line ? o->line : r->c->line,
                     o->text, o->found);
     }
-    fprintf(out, "      again: contactplant test %s --case '%s'", r->trial->file, r->c->name);
-    if (r->c->n_seeds > 1)
-        fprintf(out, " --seed %u", w->seed);
-    fprintf(out, " --log .\n");
+    print_again(out, r, options);
 }
 
 /* ---- for programs ---- */
@@ -60,7 +76,10 @@ static bool finish(FILE *f)
 static void junit_case(FILE *f, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
-    xml_put(f, "  <testcase classname='%s' name='%s' time='%t'>", r->trial->file, r->c->name, r->took_s);
+    xml_put(f, "  <testcase classname='%s' name='%s' file='%s' line='%i' time='%t'>", r->trial->file,
+            r->c->name, r->trial->file, r->c->line, r->took_s);
+    if (*w->log)
+        xml_put(f, "\n    <properties><property name='log' value='%s'/></properties>", w->log);
     if (*w->error)
         xml_put(f, "\n    <%r message='%s'/>", w->verdict == VERDICT_ERROR ? "error" : "failure", w->error);
     for (int i = 0; i < w->n; i++) {
@@ -73,25 +92,48 @@ static void junit_case(FILE *f, const struct report_case *r)
     xml_put(f, "</testcase>\n");
 }
 
-bool report_junit(const char *path, const struct report_case *r, int n)
+/* Attributes of n cases together, and the end of the tag. */
+static void junit_counts(FILE *f, const struct report_case *r, int n)
 {
-    FILE *f = fopen(path, "w");
     int failures = 0, errors = 0;
     double took_s = 0.0;
-    if (!f)
-        return false;
     for (int i = 0; i < n; i++) {
         errors += r[i].worst->verdict == VERDICT_ERROR;
         failures += r[i].worst->verdict == VERDICT_FAIL || r[i].worst->verdict == VERDICT_UNTESTED;
         took_s += r[i].took_s;
     }
-    xml_put(f,
-            XML_HEAD "<testsuites>\n <testsuite name='contactplant' tests='%i' failures='%i' errors='%i' "
-                     "time='%t'>\n",
-            n, failures, errors, took_s);
+    xml_put(f, " tests='%i' failures='%i' errors='%i' time='%t'>\n", n, failures, errors, took_s);
+}
+
+/* The n cases of a test file. */
+static void junit_suite(FILE *f, const struct report_case *r, int n)
+{
+    char host[HOST_NAME] = "", began[sizeof "2000-01-01T00:00:00"] = "";
+    struct tm utc;
+    (void)gethostname(host, sizeof host - 1);
+    if (gmtime_r(&r->began, &utc))
+        (void)strftime(began, sizeof began, "%Y-%m-%dT%H:%M:%S", &utc);
+    xml_put(f, " <testsuite name='%s' file='%s' timestamp='%s' hostname='%s'", r->trial->file, r->trial->file,
+            began, host);
+    junit_counts(f, r, n);
     for (int i = 0; i < n; i++)
         junit_case(f, &r[i]);
-    xml_put(f, " </testsuite>\n</testsuites>\n");
+    xml_put(f, " </testsuite>\n");
+}
+
+bool report_junit(const char *path, const struct report_case *r, int n)
+{
+    FILE *f = fopen(path, "w");
+    if (!f)
+        return false;
+    xml_put(f, XML_HEAD "<testsuites name='contactplant'");
+    junit_counts(f, r, n);
+    for (int i = 0, k; i < n; i = k) {
+        for (k = i + 1; k < n && r[k].trial == r[i].trial;)
+            k++;
+        junit_suite(f, &r[i], k - i);
+    }
+    xml_put(f, "</testsuites>\n");
     return finish(f);
 }
 

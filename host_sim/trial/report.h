@@ -5,6 +5,7 @@
 #include "host_sim/trial/bench/bench.h"
 
 #include <stdio.h>
+#include <time.h>
 
 /* A case with all its runs. */
 struct report_case {
@@ -12,14 +13,16 @@ struct report_case {
     const struct trial_case *c;
     int n_runs, n_done, n_bad;
     int i_worst; /* run of *worst */
+    time_t began;
     double plant_s, took_s;
     struct bench_result *worst; /* the first of the worst verdict; NULL: no run has ended */
 };
 
 extern const char *const report_verdict[];
 
-/* Lines about a case whose runs have all ended. */
-void report_print(FILE *out, const struct report_case *r);
+/* Lines about a case whose runs have all ended. `options`: words of the command line, each behind a blank,
+ * which a command that runs the case again must have. */
+void report_print(FILE *out, const struct report_case *r, const char *options);
 
 /* The whole report. False: it could not be written. */
 bool report_junit(const char *path, const struct report_case *r, int n);

@@ -2,11 +2,14 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/shell.h"
 #include "host_sim/trial/bench/device.h"
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/trial/bench/bench_afm.h"
+#include "host_sim/trial/bench/child.h"
+#include "host_sim/trial/record.h"
 #include "host_sim/trial/report.h"
 #include "host_sim/trial/trial_html.h"
 
@@ -15,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum { TEST_FILES_MAX = OPTIONS_WORDS, RUNS_MAX = 100000, REPORTS_MAX = 2000, STATUS_BENCH = 3 };
@@ -75,7 +79,9 @@ struct tests {
     struct report_case report[REPORTS_MAX];
     int n_reports, n_runs, n_done, printed;
     int first_run[REPORTS_MAX]; /* each report's */
+    bool is_done[RUNS_MAX];
     char program[PATH_MAX];
+    char *again; /* options that a command for one case must have */
     double begin_s;
 };
 
@@ -161,14 +167,26 @@ static int add_case(struct tests *t, const struct trial *trial, struct trial_cas
     if (t->n_reports == REPORTS_MAX || t->n_runs + runs > RUNS_MAX)
         return options_misuse(t->o->usage, "more than %d cases or %d runs; test fewer at once", REPORTS_MAX,
                               RUNS_MAX);
-    t->report[t->n_reports++] = (struct report_case){.trial = trial, .c = c, .n_runs = runs};
+    t->report[t->n_reports++] =
+        (struct report_case){.trial = trial, .c = c, .n_runs = runs, .began = time(NULL)};
     t->n_runs += runs;
     return 0;
+}
+
+/* Before any is picked, so that a case has the same name with --case and in each shard. */
+static void name_cases(struct tests *t)
+{
+    for (int i = 0; i < t->o->n_words; i++)
+        for (int k = 0; k < t->trial[i]->n_cases; k++)
+            t->trial[i]->cases[k].names_seed =
+                t->trial[i]->cases[k].n_seeds > 1 || options_given(t->o, "seed");
+    record_name_cases(t->trial, t->o->n_words);
 }
 
 static int pick_cases(struct tests *t)
 {
     int status = 0;
+    name_cases(t);
     for (int i = 0; i < t->o->n_words; i++)
         for (int k = 0; k < t->trial[i]->n_cases && !status; k++)
             if (is_picked(t->o, t->trial[i]->cases[k].name))
@@ -182,6 +200,22 @@ static int pick_cases(struct tests *t)
     return status ? status : take_share(t);
 }
 
+/* Options that decide what a case does, for the command that runs it again. False: out of memory. */
+static bool write_again(struct tests *t)
+{
+    static const char *const kept[] = {"realtime", "bus", "plant", "controller", "patience"};
+    size_t size;
+    FILE *f = open_memstream(&t->again, &size);
+    for (int i = 0; f && i < (int)(sizeof kept / sizeof kept[0]); i++) {
+        if (!options_given(t->o, kept[i]))
+            continue;
+        fprintf(f, " --%s", kept[i]);
+        if (i > 0)
+            shell_put_word(f, options_text(t->o, kept[i], 0));
+    }
+    return f && fclose(f) == 0;
+}
+
 /* ---- running ---- */
 
 static int report_of(const struct tests *t, int run)
@@ -192,15 +226,28 @@ static int report_of(const struct tests *t, int run)
     return i;
 }
 
+/* Which run this is, into a result that has nothing else. */
+static void identify(const struct tests *t, int run, struct bench_result *r)
+{
+    const struct report_case *report = &t->report[report_of(t, run)];
+    const struct trial_case *c = report->c;
+    int k = run - t->first_run[report_of(t, run)];
+    memset(r, 0, sizeof *r);
+    r->i_case = (int)(c - report->trial->cases);
+    r->seed = c->first_seed + (uint32_t)(k % (int)c->n_seeds);
+    r->varied = c->varied >= 0;
+    r->i_varied = k / (int)c->n_seeds;
+    if (r->varied)
+        r->varied_value = trial_varied_value(c, r->i_varied);
+}
+
 /* In a process of its own: the result as it is in memory. */
 static bool compute(void *context, int run, FILE *rows)
 {
     const struct tests *t = context;
     static struct bench_result r;
-    const struct report_case *report = &t->report[report_of(t, run)];
-    const struct trial_case *c = report->c;
-    int k = run - t->first_run[report_of(t, run)], i_varied = k / (int)c->n_seeds;
-    const struct bench_setting s = {.trial = report->trial,
+    const struct trial *trial = t->report[report_of(t, run)].trial;
+    const struct bench_setting s = {.trial = trial,
                                     .program = t->program,
                                     .log = options_text(t->o, "log", 0),
                                     .bus = options_text(t->o, "bus", 0),
@@ -208,13 +255,8 @@ static bool compute(void *context, int run, FILE *rows)
                                     .controller = options_text(t->o, "controller", 0),
                                     .realtime = options_given(t->o, "realtime"),
                                     .patience_s = options_number(t->o, "patience")};
-    memset(&r, 0, sizeof r);
-    r.i_case = (int)(c - report->trial->cases);
-    r.seed = c->first_seed + (uint32_t)(k % (int)c->n_seeds);
-    r.varied = c->varied >= 0;
-    if (r.varied)
-        r.varied_value = c->vary_from + (c->vary_to - c->vary_from) * i_varied / (c->n_varied - 1);
-    (report->trial->loops ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
+    identify(t, run, &r);
+    (trial->loops ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 
@@ -227,12 +269,11 @@ static void show_progress(const struct tests *t)
             passed_s / t->n_done * (t->n_runs - t->n_done));
 }
 
-static bool take(void *taker, int run, char *text, bool last)
+/* The result of a run goes to its case, which keeps the first of the worst. */
+static void book(struct tests *t, int run, struct bench_result *found)
 {
-    struct tests *t = taker;
     struct report_case *r = &t->report[report_of(t, run)];
-    struct bench_result *found = (struct bench_result *)(void *)text;
-    (void)last;
+    t->is_done[run] = true;
     r->n_done++;
     t->n_done++;
     r->plant_s += found->plant_s;
@@ -246,26 +287,77 @@ static bool take(void *taker, int run, char *text, bool last)
     r->worst = worse ? found : r->worst;
     show_progress(t);
     while (t->printed < t->n_reports && t->report[t->printed].n_done == t->report[t->printed].n_runs)
-        report_print(stdout, &t->report[t->printed++]);
-    return fflush(stdout) == 0;
+        report_print(stdout, &t->report[t->printed++], t->again);
+    (void)fflush(stdout); /* where nobody reads on, the other reports are still written */
+}
+
+static bool take(void *taker, int run, char *text, bool last)
+{
+    (void)last;
+    book(taker, run, (struct bench_result *)(void *)text);
+    return true;
+}
+
+/* An error in the place of a run's result. False: out of memory. */
+static bool book_error(struct tests *t, int run, const char *why)
+{
+    struct bench_result *r = malloc(sizeof *r);
+    if (!r)
+        return false;
+    identify(t, run, r);
+    r->verdict = VERDICT_ERROR;
+    snprintf(r->error, sizeof r->error, "%s", why);
+    book(t, run, r);
+    return true;
+}
+
+/* Runs that did not end are errors, so that every report names them. */
+static void book_rest(struct tests *t, const char *reason)
+{
+    char why[TRIAL_REASON];
+    snprintf(why, sizeof why, "it did not run to its end: %.400s", reason);
+    for (int run = 0; run < t->n_runs; run++)
+        if (!t->is_done[run])
+            (void)book_error(t, run, why);
+}
+
+/* The process of a run is no more, and its controller may be. */
+static bool lose(void *taker, int run, int status)
+{
+    char why[TRIAL_REASON];
+    bool killed = WIFSIGNALED(status);
+    (void)child_end_left();
+    snprintf(why, sizeof why, "the bench's process of this case ended by %s %d (%s)%s",
+             killed ? "signal" : "status", killed ? WTERMSIG(status) : WEXITSTATUS(status),
+             killed ? strsignal(WTERMSIG(status)) : "no signal",
+             killed ? "; a controller must not signal its parent" : "");
+    return book_error(taker, run, why);
+}
+
+/* The file of this option, if it was given. */
+static bool write_report(const struct tests *t, const char *option,
+                         bool (*write)(const char *path, const struct report_case *r, int n))
+{
+    const char *path = options_text(t->o, option, 0);
+    bool written = !path || write(path, t->report, t->n_reports);
+    if (!written)
+        options_failure(t->o->usage, "--%s %s cannot be written: %s", option, path, strerror(errno));
+    return written;
 }
 
 static int conclude(const struct tests *t)
 {
     int n[4] = {0};
     double plant_s = 0.0, took_s = clock_now_s() - t->begin_s;
-    const char *junit = options_text(t->o, "junit", 0), *json = options_text(t->o, "json", 0);
     for (int i = 0; i < t->n_reports; i++) {
         n[t->report[i].worst->verdict]++;
         plant_s += t->report[i].plant_s;
     }
     printf("%d ok, %d failed, %d untested, %d with an error; %.6g s of plant time in %.2f s\n", n[VERDICT_OK],
            n[VERDICT_FAIL], n[VERDICT_UNTESTED], n[VERDICT_ERROR], plant_s, took_s);
-    if (junit && !report_junit(junit, t->report, t->n_reports))
-        return options_failure(t->o->usage, "--junit %s cannot be written: %s", junit, strerror(errno));
-    if (json && !report_json(json, t->report, t->n_reports))
-        return options_failure(t->o->usage, "--json %s cannot be written: %s", json, strerror(errno));
-    if (fflush(stdout))
+    bool written = write_report(t, "junit", report_junit);
+    written = write_report(t, "json", report_json) && written;
+    if (!written || fflush(stdout))
         return STATUS_FAILED;
     return n[VERDICT_ERROR]                        ? STATUS_BENCH
            : n[VERDICT_FAIL] + n[VERDICT_UNTESTED] ? STATUS_FAILED
@@ -291,13 +383,18 @@ static bool has_attached(const struct tests *t)
 static int run_all(struct tests *t)
 {
     char why[JOBS_REASON];
+    if (!write_again(t))
+        return options_failure(t->o->usage, "out of memory");
     int cores = options_given(t->o, "cores") ? (int)options_number(t->o, "cores") : workers_cores();
     cores = has_attached(t) || options_given(t->o, "realtime") ? 1 : cores; /* there is one address */
-    const struct workers w = {compute, t, take, t, 0, t->n_runs, cores};
+    const struct workers w = {compute, t, take, lose, t, 0, t->n_runs, cores};
     t->begin_s = clock_now_s();
-    if (!workers_run(&w, why)) {
+    child_adopt();
+    bool whole = workers_run(&w, why);
+    (void)child_end_left();
+    if (!whole) {
         options_failure(t->o->usage, "%s", why);
-        return STATUS_BENCH;
+        book_rest(t, why);
     }
     return conclude(t);
 }
@@ -364,5 +461,6 @@ int cmd_test(int argc, char **argv)
         free(t.report[i].worst);
     for (int i = 0; i < o.n_words; i++)
         free(t.trial[i]);
+    free(t.again);
     return status;
 }

@@ -20,6 +20,7 @@ enum {
     TRIAL_STEPS = 1000, /* seeds, or values of vary */
     TRIAL_KEYS = 16,    /* in a section */
     TRIAL_LIST = 128,   /* characters of faults */
+    TRIAL_RECORD = 180, /* characters of a name of records */
     TRIAL_REASON = SCENE_FILE_REASON
 };
 
@@ -68,6 +69,8 @@ struct trial_plant {
 
 struct trial_case {
     char name[TRIAL_NAME];
+    char record[TRIAL_RECORD]; /* how its recordings are called (record.h) */
+    bool names_seed;           /* they and the report say which seed a run has */
     int line;
     double over_s; /* plant time */
     struct trial_plant plant;
@@ -169,6 +172,9 @@ bool trial_bind_fires(struct trial_reader *r, struct trial_case *c);
 
 /* The instant of a fire, to a 256th of a tick as FIRE names it. */
 struct instant trial_instant(const struct trial_act *a, double tick_s);
+
+/* The i-th of the case's values of `vary`, of which it has some. */
+double trial_varied_value(const struct trial_case *c, int i);
 
 /* `expect METRIC OP VALUE [from TIME] [to TIME]`, without the `expect`. */
 bool trial_read_expect(struct trial_reader *r, struct word rest);

@@ -88,10 +88,12 @@ static void put_expectations(struct html *h, const struct report_case *r)
     put_run(h, w);
     if (*w->error)
         html_words(h, "%s", w->error);
-    if (r->c->n_seeds > 1)
+    if (r->c->names_seed)
         html_words(h, "The worst run has seed %u.", w->seed);
     if (w->varied)
         html_words(h, "The worst run has %.9g for what is varied.", w->varied_value);
+    if (*w->log)
+        html_words(h, "Its log is %s.", w->log);
 }
 
 /* The part of a log that is shown. */

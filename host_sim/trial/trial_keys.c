@@ -104,8 +104,7 @@ static bool take_builtin(struct trial_reader *r, struct word value)
             r, "builtin: there is keep, which is contactplant control without a drive, and loops, "
                "those of a microscope");
     snprintf(r->trial->command, sizeof r->trial->command, "%s",
-             r->trial->loops ? "loops"
-                             : "'{contactplant}' control '{scene}' {options} --force 0 --duration 1e6");
+             r->trial->loops ? "loops" : "{contactplant} control {scene} {options} --force 0 --duration 1e6");
     return true;
 }
 

@@ -130,7 +130,9 @@ bool trial_parse(const char *file, const char *text, size_t n,
                  struct trial *t, char *why)
 {
     struct trial_reader r = {
-        .text = {.file = file, .what = "test", .why = why, .rest = {text, n}}, .trial = t, .load = load};
+        .text = {.file = file, .what = "test", .shell_key = "command", .why = why, .rest = {text, n}},
+        .trial = t,
+        .load = load};
     struct word w;
     memset(t, 0, sizeof *t);
     t->file = file;

@@ -151,3 +151,8 @@ int trial_find_signal(struct trial_reader *r, struct word name)
                 scene_text_advice(name, names, n, text));
     return -1;
 }
+
+double trial_varied_value(const struct trial_case *c, int i)
+{
+    return c->vary_from + (c->vary_to - c->vary_from) * i / (c->n_varied - 1);
+}

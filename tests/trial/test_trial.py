@@ -532,7 +532,7 @@ def test_reports():
     verdict("JSON is read back", [c["verdict"] for c in data] == ["ok", "FAIL", "untested", "ok"] and data[3]["runs"] == 8, data)
     again = re.search(r"again: contactplant (.*)", r.stdout).group(1)
     r = subprocess.run("%s %s" % (program, again), shell=True, cwd=directory, capture_output=True, text=True)
-    verdict("the command for a case alone: " + again[-60:], r.returncode == 1 and r.stdout.count("FAIL") == 1 and os.path.exists(path("t.bad_<&\">.log")), r.stdout + r.stderr)
+    verdict("the command for a case alone: " + again[-60:], r.returncode == 1 and r.stdout.count("FAIL") == 1 and os.path.exists(path("again/t.bad_<&\">.log")), r.stdout + r.stderr)
     shares = [test(name, "--shard", "%d/3" % i).verdicts for i in (1, 2, 3)]
     verdict("three shares are the cases, each once", {k: v for s in shares for k, v in s.items()} == wanted and sum(map(len, shares)) == 4 and max(map(len, shares)) == 2, shares)
     r = test(name, "--case", "good", "--shard", "1/2")

@@ -125,13 +125,15 @@ static void one_frame(struct bench *b)
 /* One bus frame; false when the run is over, with an error or without. */
 static bool turn(struct bench *b)
 {
-    char why[REASON], reason[REASON];
+    char why[REASON], reason[REASON], output[CHILD_REASON];
     if (!bench_plant_act(&b->plant, reason))
         return controller_fail(b->r, "%s%s", reason, "");
     switch (lockstep_await(&b->lockstep, false, why)) {
     case LOCKSTEP_SILENT:
-        return controller_fail(b->r, "%s%s", why, "");
+        child_describe_output(&b->controller.child, output);
+        return controller_fail(b->r, "%s%s", why, output);
     case LOCKSTEP_WAITS:
+        child_listen(&b->controller.child);
         return !controller_has_ended(&b->controller, b->c, plant_time(&b->plant.scene.app.plant),
                                      b->link.stopped_s >= 0.0, b->r);
     default:
@@ -162,7 +164,7 @@ static void let_go(struct bench *b)
     char why[BUS_REASON];
     double end_s = clock_now_s() + grace_s;
     child_ask(&b->controller.child);
-    while (child_look(&b->controller.child) && clock_now_s() < end_s)
+    while (child_group_runs(&b->controller.child) && clock_now_s() < end_s)
         if (lockstep_await(&b->lockstep, false, why) == LOCKSTEP_BEGINS)
             app_frame(&b->plant.scene.app);
     controller_end(&b->controller, b->r);

@@ -31,6 +31,7 @@ struct bench_result {
     int i_case;
     uint32_t seed;
     bool varied;
+    int i_varied;
     double varied_value;
     enum verdict verdict;
     char error[TRIAL_REASON]; /* with VERDICT_ERROR, where the bench ended before its time */

@@ -3,17 +3,24 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include "host_sim/cli/shell.h"
 
 enum {
     FILES_MAX = 1024, /* that a child closes */
     SHOWN = 120,
     CHUNK = 4096,
-    CHUNKS = 64,      /* pieces of output that one look takes */
+    CHUNKS = 64,         /* pieces of output that one look takes */
+    PIPE = 1 << 20,      /* bytes of output that wait for a look */
+    COPY_MAX = 64 << 20, /* bytes of output that are kept */
+    MANY = 1000000,      /* bytes of output that are worth telling */
+    PAUSE_MS = 1,
+    PAUSES = 20,
     LEFT_ROUNDS = 50, /* waits for processes to end */
     LEFT_WAIT_US = 10000
 };
@@ -43,17 +50,21 @@ static void drain(struct child *c)
         if (n <= 0)
             return;
         keep(c, text, (size_t)n);
-        if (c->copy)
+        if (c->copy && c->n_output < COPY_MAX)
             (void)fwrite(text, 1, (size_t)n, c->copy);
+        if (c->copy && c->n_output < COPY_MAX && c->n_output + (size_t)n >= COPY_MAX)
+            fprintf(c->copy, "\n[contactplant: what it printed beyond %d MB is left out]\n", COPY_MAX >> 20);
+        c->n_output += (size_t)n;
     }
 }
 
 /* ---- a process ---- */
 
-/* In the child. Its parent's death ends it; signals are as a shell gives them; no other file is open. */
-static void become(const char *command, const char *folder, int output)
+/* In the child. Its parent's death ends it; signals are as a shell gives them; no other file is open. A
+ * program takes the place of the shell, so that how it ended is known. */
+static void become(const struct child *c, const char *command, const char *folder, int output)
 {
-    char text[CHUNK];
+    char *line = NULL;
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
@@ -65,11 +76,15 @@ static void become(const char *command, const char *folder, int output)
     dup2(nothing, 0), dup2(output, 1), dup2(output, 2);
     for (int i = 3; i < FILES_MAX; i++)
         close(i);
-    snprintf(text, sizeof text, "exec %s", command);
-    if (chdir(folder) == 0)
-        execl("/bin/sh", "sh", "-c", text, (char *)NULL);
+    if (chdir(folder) == 0 && asprintf(&line, "%s%s", c->is_program ? "exec " : "", command) > 0)
+        execl("/bin/sh", "sh", "-c", line, (char *)NULL);
     fprintf(stderr, "cannot run in %s: %s\n", folder, strerror(errno));
     _exit(127);
+}
+
+void child_adopt(void)
+{
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
 }
 
 bool child_start(struct child *c, const char *command, const char *folder, FILE *copy, char *why)
@@ -78,15 +93,17 @@ bool child_start(struct child *c, const char *command, const char *folder, FILE 
     memset(c, 0, sizeof *c);
     c->output = -1;
     c->copy = copy;
-    prctl(PR_SET_CHILD_SUBREAPER, 1); /* processes that it leaves behind become ours */
+    c->is_program = shell_is_program(command);
+    child_adopt();
     if (pipe2(output, O_CLOEXEC) || fcntl(output[0], F_SETFL, O_NONBLOCK)) {
         snprintf(why, CHILD_REASON, "no pipe for the controller: %s", strerror(errno));
         return false;
     }
+    (void)fcntl(output[0], F_SETPIPE_SZ, PIPE); /* or what the system allows */
     fflush(NULL);
     c->pid = fork();
     if (c->pid == 0)
-        become(command, folder, output[1]);
+        become(c, command, folder, output[1]);
     close(output[1]);
     c->output = output[0];
     if (c->pid > 0) {
@@ -108,6 +125,23 @@ bool child_look(struct child *c)
     return c->pid && !c->ended;
 }
 
+bool child_group_runs(struct child *c)
+{
+    if (child_look(c))
+        return true;
+    while (c->pid && waitpid(-c->pid, NULL, WNOHANG) > 0)
+        ;
+    return c->pid && kill(-c->pid, 0) == 0;
+}
+
+void child_listen(struct child *c)
+{
+    struct pollfd output = {c->output, POLLIN, 0};
+    for (int i = 0; i < PAUSES && c->output >= 0 && poll(&output, 1, PAUSE_MS) > 0 && output.revents & POLLIN;
+         i++)
+        drain(c);
+}
+
 void child_ask(struct child *c)
 {
     if (c->pid)
@@ -116,18 +150,19 @@ void child_ask(struct child *c)
 
 /* ---- what it left behind ---- */
 
-/* A child of this process other than those that have ended; 0: none. */
+/* A running child of this process outside of its own process group: a controller, or what one left. 0: none.
+ */
 static pid_t next_left(void)
 {
     int pid = 0;
-    while (waitpid(-1, NULL, WNOHANG) > 0)
-        ;
+    pid_t found = 0;
     FILE *f = fopen("/proc/thread-self/children", "r");
-    if (f && fscanf(f, "%d", &pid) != 1)
-        pid = 0;
+    while (f && !found && fscanf(f, "%d", &pid) == 1)
+        if (getpgid(pid) != getpgrp() && waitpid(pid, NULL, WNOHANG) == 0)
+            found = pid;
     if (f)
         (void)fclose(f);
-    return pid;
+    return found;
 }
 
 static void wait_for_left(void)
@@ -136,22 +171,30 @@ static void wait_for_left(void)
         usleep(LEFT_WAIT_US);
 }
 
-int child_end(struct child *c)
+int child_end_left(void)
 {
     int left = 0;
+    for (pid_t pid = next_left(); pid && left < FILES_MAX; pid = next_left()) {
+        left++;
+        kill(pid, SIGKILL);
+        (void)waitpid(pid, NULL, 0);
+    }
+    return left;
+}
+
+int child_end(struct child *c)
+{
     if (!c->pid)
         return 0;
+    if (!c->is_program)
+        kill(-c->pid, SIGKILL); /* all of the line is the controller */
     if (!c->ended) {
         kill(c->pid, SIGKILL);
         (void)waitpid(c->pid, &c->status, 0);
         c->ended = true;
     }
     wait_for_left();
-    for (pid_t pid = next_left(); pid && left < FILES_MAX; pid = next_left()) {
-        left++;
-        kill(pid, SIGKILL);
-        (void)waitpid(pid, NULL, 0);
-    }
+    int left = child_end_left();
     kill(-c->pid, SIGKILL);
     drain(c);
     close(c->output);
@@ -160,12 +203,22 @@ int child_end(struct child *c)
     return left;
 }
 
-void child_describe(const struct child *c, char text[CHILD_REASON])
+void child_describe_output(const struct child *c, char text[CHILD_REASON])
 {
     const char *line = c->n_part ? c->part : c->line;
-    int n = WIFSIGNALED(c->status)
-                ? snprintf(text, CHILD_REASON, "ended by signal %d", WTERMSIG(c->status))
-                : snprintf(text, CHILD_REASON, "ended with status %d", WEXITSTATUS(c->status));
+    int n = 0;
+    *text = 0;
+    if (c->n_output >= MANY)
+        n = snprintf(text, CHILD_REASON, "; it printed %.0f MB", (double)c->n_output * 1e-6);
     if (*line)
         snprintf(text + n, (size_t)(CHILD_REASON - n), "; its last line: %.*s", SHOWN, line);
+}
+
+void child_describe(const struct child *c, char text[CHILD_REASON])
+{
+    char output[CHILD_REASON];
+    bool killed = WIFSIGNALED(c->status);
+    child_describe_output(c, output);
+    snprintf(text, CHILD_REASON, "ended %s %d%.200s", killed ? "by signal" : "with status",
+             killed ? WTERMSIG(c->status) : WEXITSTATUS(c->status), output);
 }

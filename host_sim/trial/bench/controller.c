@@ -1,13 +1,16 @@
 /* controller.c - see controller.h. */
 #include "host_sim/trial/bench/controller.h"
 
+#include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include "host_sim/cli/shell.h"
 #include "host_sim/scene/scene_keys.h"
 #include "models/afm_lever.h"
 #include "models/models.h"
 
-enum { COMMAND_TEXT = 4096, OPTIONS_TEXT = 2048, NUMBER = 32 };
+enum { OPTIONS_TEXT = 2048, NUMBER = 32, LOG_END = 128 };
 
 bool controller_fail(struct bench_result *r, const char *format, const char *a, const char *b)
 {
@@ -66,66 +69,92 @@ bool controller_takes_memory(const struct trial *t)
     return strstr(t->command, "{memory}") != NULL;
 }
 
-/* The command with what stands in braces filled in. */
-static bool fill(const struct bench_setting *s, const struct scene_app *scene,
-                 const struct controller_place *at, uint32_t run_seed, char text[COMMAND_TEXT])
+struct placeholder {
+    const char *name, *text;
+    bool as_it_is; /* several words of the shell, or none */
+};
+
+/* Writes the command with what stands in braces filled in, each as one word of the shell. */
+static void put_filled(FILE *f, const char *from, const struct placeholder *known, int n)
 {
-    char rate[NUMBER], substeps[NUMBER], seed[NUMBER], options[OPTIONS_TEXT];
-    const struct {
-        const char *name, *text;
-    } known[] = {{"{plant}", at->plant},
-                 {"{me}", at->me},
-                 {"{rate}", rate},
-                 {"{substeps}", substeps},
-                 {"{seed}", seed},
-                 {"{scene}", s->trial->is_microscope ? scene->config.model->name : s->trial->scene_name},
-                 {"{options}", options},
-                 {"{contactplant}", s->program},
-                 {"{memory}", at->memory ? at->memory : ""}};
+    struct shell_place at = {0, false};
+    while (*from) {
+        int i = 0;
+        while (i < n && strncmp(from, known[i].name, strlen(known[i].name)))
+            i++;
+        if (i == n) {
+            shell_pass(&at, *from);
+            fputc(*from++, f);
+            continue;
+        }
+        if (known[i].as_it_is)
+            fputs(known[i].text, f);
+        else
+            shell_put(f, at, known[i].text);
+        from += strlen(known[i].name);
+    }
+}
+
+/* The command of this run, to be freed; NULL: out of memory. */
+static char *fill(const struct bench_setting *s, const struct scene_app *scene,
+                  const struct controller_place *at, uint32_t run_seed)
+{
+    char rate[NUMBER], substeps[NUMBER], seed[NUMBER], options[OPTIONS_TEXT], *text = NULL;
+    size_t size;
+    const struct placeholder known[] = {
+        {"{plant}", at->plant, false},
+        {"{me}", at->me, false},
+        {"{rate}", rate, false},
+        {"{substeps}", substeps, false},
+        {"{seed}", seed, false},
+        {"{scene}", s->trial->is_microscope ? scene->config.model->name : s->trial->scene_name, false},
+        {"{options}", options, true},
+        {"{contactplant}", s->program, false},
+        {"{memory}", at->memory ? at->memory : "", true}};
     snprintf(rate, sizeof rate, "%.17g", 1.0 / scene->config.frame_s);
     snprintf(substeps, sizeof substeps, "%u", scene->config.substeps);
     snprintf(seed, sizeof seed, "%u", run_seed);
     write_options(s->trial, scene, at, options);
-    size_t n = 0;
-    for (const char *from = s->trial->command; *from && n + 1 < COMMAND_TEXT;) {
-        size_t i = 0;
-        while (i < sizeof known / sizeof known[0] && strncmp(from, known[i].name, strlen(known[i].name)))
-            i++;
-        if (i == sizeof known / sizeof known[0]) {
-            text[n++] = *from++;
-            continue;
-        }
-        n += (size_t)snprintf(text + n, COMMAND_TEXT - n, "%s", known[i].text);
-        from += strlen(known[i].name);
-    }
-    text[n < COMMAND_TEXT ? n : COMMAND_TEXT - 1] = 0;
-    return n < COMMAND_TEXT;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    put_filled(f, s->trial->command, known, (int)(sizeof known / sizeof known[0]));
+    if (fclose(f) == 0)
+        return text;
+    free(text);
+    return NULL;
 }
 
 /* ---- the process ---- */
+
+/* Values that six digits do not tell apart get their number, too. */
+static int write_varied(const struct trial_case *c, int i, char *text, size_t size)
+{
+    char before[NUMBER], behind[NUMBER], own[NUMBER];
+    snprintf(own, sizeof own, "%.6g", trial_varied_value(c, i));
+    snprintf(before, sizeof before, "%.6g", trial_varied_value(c, i > 0 ? i - 1 : i + 1));
+    snprintf(behind, sizeof behind, "%.6g", trial_varied_value(c, i + 1 < c->n_varied ? i + 1 : i - 1));
+    bool alone = strcmp(own, before) && strcmp(own, behind);
+    return alone ? snprintf(text, size, ".%s", own) : snprintf(text, size, ".%s-%d", own, i + 1);
+}
 
 void controller_log_path(const struct bench_setting *s, const struct bench_result *r, const char *end,
                          char path[BENCH_PATH])
 {
     const struct trial_case *c = &s->trial->cases[r->i_case];
-    const char *slash = strrchr(s->trial->file, '/'), *file = slash ? slash + 1 : s->trial->file;
-    const char *point = strrchr(file, '.');
-    int n = snprintf(path, BENCH_PATH, "%s/%.*s.", s->log, (int)(point ? point - file : (long)strlen(file)),
-                     file);
-    for (const char *at = c->name; *at && n < BENCH_PATH - 64; at++)
-        path[n++] = strchr("/ \t", *at) ? '_' : *at;
-    path[n] = 0;
-    if (c->n_seeds > 1)
+    int n = snprintf(path, BENCH_PATH - LOG_END, "%s/%s", s->log, c->record);
+    n = n < BENCH_PATH - LOG_END ? n : BENCH_PATH - LOG_END - 1;
+    if (c->names_seed)
         n += snprintf(path + n, (size_t)(BENCH_PATH - n), ".%u", r->seed);
     if (r->varied)
-        n += snprintf(path + n, (size_t)(BENCH_PATH - n), ".%.6g", r->varied_value);
+        n += write_varied(c, r->i_varied, path + n, (size_t)(BENCH_PATH - n));
     snprintf(path + n, (size_t)(BENCH_PATH - n), "%s", end);
 }
 
 bool controller_start(struct controller *c, const struct bench_setting *s, const struct scene_app *scene,
                       const struct controller_place *at, struct bench_result *r)
 {
-    char command[COMMAND_TEXT], folder[BENCH_PATH], path[BENCH_PATH], why[CHILD_REASON];
+    char folder[BENCH_PATH], path[BENCH_PATH], why[CHILD_REASON];
     const char *slash = strrchr(s->trial->file, '/');
     if (s->trial->attached)
         return true;
@@ -139,10 +168,12 @@ bool controller_start(struct controller *c, const struct bench_setting *s, const
         if (!c->output)
             return controller_fail(r, "--log: cannot write %.400s%s", path, "");
     }
-    if (!fill(s, scene, at, r->seed, command))
-        return controller_fail(r, "the command is too long%s%s", "", "");
-    return child_start(&c->child, command, folder, c->output, why) ? true
-                                                                   : controller_fail(r, "%s%s", why, "");
+    char *command = fill(s, scene, at, r->seed);
+    bool started = command && child_start(&c->child, command, folder, c->output, why);
+    if (!started)
+        controller_fail(r, "%s%s", command ? why : "out of memory", "");
+    free(command);
+    return started;
 }
 
 void controller_end(struct controller *c, struct bench_result *r)
@@ -152,8 +183,11 @@ void controller_end(struct controller *c, struct bench_result *r)
     snprintf(left, sizeof left, "%d", n);
     if (n && r->verdict != VERDICT_ERROR)
         controller_fail(r, "the controller left %s processes behind, which were ended%s", left, "");
-    if (c->output && fclose(c->output) && r->verdict != VERDICT_ERROR)
-        controller_fail(r, "--log: cannot write what the controller printed%s%s", "", "");
+    bool bad = c->output && ferror(c->output);
+    errno = 0;
+    if (c->output && (fclose(c->output) || bad) && r->verdict != VERDICT_ERROR)
+        controller_fail(r, "--log: cannot write what the controller printed%s%s", errno ? ": " : "",
+                        errno ? strerror(errno) : "");
     c->output = NULL;
 }
 

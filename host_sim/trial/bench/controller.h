@@ -42,7 +42,7 @@ bool controller_has_ended(struct controller *c, const struct trial_case *k, doub
 void controller_explain_stand(const struct trial_case *k, const char *state, double plant_s, bool stopped,
                               struct bench_result *r);
 
-/* keep.test, case "bad bus", seed 3: DIR/keep.bad_bus.3END */
+/* keep.test, case "bad bus", seed 3: DIR/keep.bad_bus.3END (host_sim/trial/record.h) */
 void controller_log_path(const struct bench_setting *s, const struct bench_result *r, const char *end,
                          char path[BENCH_PATH]);
 

@@ -390,7 +390,7 @@ static void let_go(struct device *d)
 {
     double end_s = clock_now_s() + grace_s;
     child_ask(&d->controller.child);
-    while (child_look(&d->controller.child) && clock_now_s() < end_s)
+    while (child_group_runs(&d->controller.child) && clock_now_s() < end_s)
         client_poll(&d->client), bus_wait(&d->bus, look_s);
     controller_end(&d->controller, d->r);
     client_poll(&d->client);

@@ -47,7 +47,7 @@ TEST(html_data_as_by_hand)
     static const char *const part[] = {
         "{\"kind\":\"report\",\"title\":\"\\u003c/"
         "script\\u003e\\u0001\xEF\xBF\xBD\xC3\xA4\\u0022 \\u005c\\u0026\",\"version\":\"",
-        "\"command\":\"contactplant sweep 'a b' \\u0022it's\\u0022\",\"sections\":[\n",
+        "\"command\":\"contactplant sweep 'a b' 'it'\\u005c''s'\",\"sections\":[\n",
         "{\"kind\":\"words\",\"text\":\"2 words\"}\n"
         ",{\"kind\":\"table\",\"title\":\"t\",\"columns\":\"a,b\",\"rows\":[\n"
         "{\"bad\":false,\"cells\":[\"1\",\"\\u003cb\\u003e\"]},\n{\"bad\":true,\"cells\":[\"2\"]}]}\n"

@@ -1,0 +1,101 @@
+/* record.c - see record.h. */
+#include "host_sim/trial/record.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include "host_sim/trial/bench/bench.h"
+
+enum { FILE_SHOWN = 100 /* bytes of a file's name, so that the whole has room in a folder */ };
+
+/* ---- names ---- */
+
+/* The file's name without folder and end, up to a whole character of UTF-8. */
+static int stem(const char *file, const char **begin)
+{
+    const char *slash = strrchr(file, '/');
+    *begin = slash ? slash + 1 : file;
+    const char *point = strrchr(*begin, '.');
+    int n = point ? (int)(point - *begin) : (int)strlen(*begin);
+    for (n = n < FILE_SHOWN ? n : FILE_SHOWN; n > 0 && ((*begin)[n] & 0xC0) == 0x80;)
+        n--;
+    return n;
+}
+
+static void write_name(const struct trial *t, struct trial_case *c, int number)
+{
+    const char *file;
+    char name[TRIAL_RECORD];
+    int n = stem(t->file, &file);
+    n = snprintf(name, sizeof name, "%.*s.%s", n, file, c->name);
+    for (char *at = name; *at; at++)
+        *at = strchr("/ \t", *at) ? '_' : *at;
+    if (number > 1)
+        snprintf(name + n, sizeof name - (size_t)n, "-%d", number);
+    memcpy(c->record, name, sizeof c->record);
+}
+
+/* Whether a run of a, whose name may go on behind a point, can have the name b. */
+static bool reaches(const struct trial_case *a, const char *b)
+{
+    size_t n = strlen(a->record);
+    bool goes_on = a->names_seed || a->varied >= 0;
+    return !strncasecmp(a->record, b, n) && (!b[n] || (goes_on && b[n] == '.'));
+}
+
+/* Another case before this one, which is case k of trial i, has the name. */
+static bool is_taken(struct trial *const *trial, int i, int k)
+{
+    const struct trial_case *own = &trial[i]->cases[k];
+    for (int t = 0; t <= i; t++)
+        for (int other = 0; other < (t < i ? trial[t]->n_cases : k); other++) {
+            const struct trial_case *c = &trial[t]->cases[other];
+            if (reaches(c, own->record) || reaches(own, c->record))
+                return true;
+        }
+    return false;
+}
+
+void record_name_cases(struct trial *const *trial, int n)
+{
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < trial[i]->n_cases; k++) {
+            struct trial_case *c = &trial[i]->cases[k];
+            int number = 1;
+            do
+                write_name(trial[i], c, number++);
+            while (is_taken(trial, i, k));
+        }
+}
+
+/* ---- a folder ---- */
+
+/* Whether the path, where it leads to, lies in this folder. */
+static bool lies_in(const char *path, const char *folder)
+{
+    char file[PATH_MAX], place[PATH_MAX];
+    if (!realpath(path, file) || !realpath(folder, place))
+        return false;
+    *strrchr(file, '/') = 0;
+    return !strcmp(file, place);
+}
+
+static bool has_golden(const struct trial *t, const char *folder)
+{
+    char path[BENCH_PATH];
+    for (int i = 0; i < t->n_cases; i++) {
+        bench_scene_path(t->file, t->cases[i].golden, path);
+        if (*t->cases[i].golden && lies_in(path, folder))
+            return true;
+    }
+    return false;
+}
+
+const char *record_safe_folder(const struct trial *t, char text[TRIAL_RECORD])
+{
+    snprintf(text, TRIAL_RECORD, "again");
+    for (int i = 2; has_golden(t, text); i++)
+        snprintf(text, TRIAL_RECORD, "again-%d", i);
+    return text;
+}

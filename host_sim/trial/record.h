@@ -1,0 +1,14 @@
+/* record.h - the files that `contactplant test --log` records into: each run has files of its own. */
+#ifndef HOST_SIM_RECORD_H
+#define HOST_SIM_RECORD_H
+
+#include "host_sim/trial/trial.h"
+
+/* Names the records of every case of these n test files, in their order: keep.shaken of keep.test. A name
+ * that another run has, with capitals or without, goes on with a number: keep.shaken-2. */
+void record_name_cases(struct trial *const *trial, int n);
+
+/* A folder for --log that has none of the golden logs of this test. */
+const char *record_safe_folder(const struct trial *t, char text[TRIAL_RECORD]);
+
+#endif
