@@ -86,6 +86,7 @@ if all; then
     need linux.uml user-mode-linux
     need ip iproute2
     need candump can-utils
+    need tshark tshark
     need valgrind valgrind
     need cppcheck cppcheck
     need frama-c frama-c-base
@@ -224,6 +225,7 @@ stage waits "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test
 stage waits "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
 stage waits "names and texts in JSON, XML and reports" /usr/bin/python3 tests/cli/test_texts.py build
 stage waits "numbers from one command to the next, times, tolerances" /usr/bin/python3 tests/cli/test_numbers.py build/contactplant
+stage waits "logs of the world outside, and ours in other tools" /usr/bin/python3 tests/cli/test_logs.py build/contactplant
 stage waits "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 more waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant

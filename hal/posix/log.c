@@ -39,13 +39,14 @@ static struct frame refusal_frame(const struct frame *f)
                           .data = {d[2], LOG_REFUSED_CAUSE, d[3], d[4], d[5], number, d[6], d[7]}};
 }
 
-static struct frame overrun_frame(uint32_t missed)
+/* A word of the recorder with a number. */
+static struct frame word_frame(uint8_t word, uint32_t number)
 {
-    const uint8_t low = (uint8_t)missed, second = (uint8_t)(missed >> 8), third = (uint8_t)(missed >> 16);
+    const uint8_t low = (uint8_t)number, second = (uint8_t)(number >> 8), third = (uint8_t)(number >> 16);
     return (struct frame){.id = LOG_ERROR_FRAME | LOG_ERROR_CONTROLLER,
                           .length = FRAME_DATA,
                           .flags = FRAME_EXTENDED,
-                          .data = {low, 0, second, third, (uint8_t)(missed >> 24), LOG_MISSED, 0, 0}};
+                          .data = {low, 0, second, third, (uint8_t)(number >> 24), word, 0, 0}};
 }
 
 /* The frame that stands in the line. */
@@ -53,15 +54,23 @@ static struct frame shown_frame(const struct log_line *line)
 {
     if (line->fault)
         return fault_frame(line->fault);
-    if (line->way == LOG_NO_ROOM)
+    switch (line->way) {
+    case LOG_NO_ROOM:
         return refusal_frame(&line->frame);
-    return line->way == LOG_OVERRUN ? overrun_frame(line->missed) : line->frame;
+    case LOG_OVERRUN:
+        return word_frame(LOG_MISSED, line->missed);
+    case LOG_BEGIN:
+        return word_frame(LOG_PLANT, 0);
+    case LOG_TURN:
+        return word_frame(LOG_AGAINST, 0);
+    default:
+        return line->frame;
+    }
 }
 
 int log_format(char *text, const struct log_line *line)
 {
     struct frame shown = shown_frame(line);
-    bool marked = !line->fault && (line->way == LOG_RECEIVED || line->way == LOG_SENT);
     int n =
         snprintf(text, LOG_LINE_MAX, "(%010llu.%06u) %.15s ", (unsigned long long)(line->time_us / 1000000u),
                  (unsigned)(line->time_us % 1000000u), line->interface);
@@ -69,10 +78,6 @@ int log_format(char *text, const struct log_line *line)
     text[n++] = '#';
     for (int i = 0; i < shown.length; i++)
         n += put_hex(text + n, shown.data[i], 2);
-    if (marked) {
-        text[n++] = ' ';
-        text[n++] = line->way == LOG_RECEIVED ? 'R' : 'T';
-    }
     text[n++] = '\n';
     text[n] = 0;
     return n;
@@ -159,8 +164,13 @@ static void write_out(struct log *l, bool in_frame)
     l->n_bytes = 0;
 }
 
+enum log_way log_way_of(const struct frame *f)
+{
+    return f->id % FRAME_IDS < LOG_COMMANDS ? LOG_RECEIVED : LOG_SENT;
+}
+
 /* The line, with stamp and interface filled in. */
-static void record(struct log *l, struct log_line *line)
+static void put_line(struct log *l, struct log_line *line)
 {
     if (l->failed) {
         l->lines_lost++;
@@ -172,6 +182,18 @@ static void record(struct log *l, struct log_line *line)
     memcpy(line->interface, l->interface, sizeof line->interface);
     l->n_bytes += (uint32_t)log_format(l->buffer + l->n_bytes, line);
     l->lines++;
+}
+
+/* The line, and before it the words that it needs. */
+static void record(struct log *l, struct log_line *line)
+{
+    bool frame = !line->fault && (line->way == LOG_RECEIVED || line->way == LOG_SENT);
+    if (!l->begun && !l->listens)
+        put_line(l, &(struct log_line){.way = LOG_BEGIN});
+    l->begun = true;
+    if (frame && line->way != log_way_of(&line->frame) && !l->listens)
+        put_line(l, &(struct log_line){.way = LOG_TURN});
+    put_line(l, line);
 }
 
 static int receive(void *context, struct frame *f)

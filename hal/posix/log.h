@@ -1,9 +1,8 @@
-/* log.h - records the traffic of another hal as a candump log, and reads such logs.
+/* log.h - records the traffic of another hal as a candump log, and reads candump logs, those of others too.
  *
- * It has one line per frame, `(seconds.micros) interface ID#DATA R`. ID has 3 hex digits for an 11-bit
- * identifier and 8 for a 29-bit one, DATA two hex digits per byte. R is a received frame, T a sent one.
- * candump, canplayer, log2asc, SavvyCAN and python-can read it. Everything that was received is there,
- * also what is not for the plant.
+ * It has one line per frame, `(seconds.micros) interface ID#DATA`. ID has 3 hex digits for an 11-bit
+ * identifier and 8 for a 29-bit one, DATA two hex digits per byte. candump, canplayer, log2asc, SavvyCAN,
+ * python-can and Wireshark read it. Everything that was received is there, also what is not for the plant.
  *
  * TIME BASE. A line's time stamp is not a wall-clock time but the bus frame that took or sent it: frame
  * number times frame period, plus one second (log_frame_us). log2asc takes second 0 for "no time yet".
@@ -11,6 +10,11 @@
  * that had it. Wall-clock stamps leave that open for a command close to a frame boundary. The owner calls
  * log_set_frame with app.frame before every app_overrun and every app_frame. canplayer still keeps the
  * original gaps.
+ *
+ * WAYS. A plant takes the first LOG_COMMANDS of each block of FRAME_IDS identifiers and sends the others. So
+ * the identifier tells which way a frame went. The recording of a plant begins with an error frame 20000004
+ * whose byte 5 is C1 hex. One with C2 hex stands before a frame that went the other way, a stray. Recordings
+ * of earlier versions, and of candump -x, have ` R` or ` T` at the end of each line instead.
  *
  * FAULTS that the inner hal reports are recorded where they happened, as SocketCAN error frames:
  * identifier 20000004 (controller problem) or 20000040 (bus-off), data byte 5 = the hal_fault bits. Tools
@@ -55,18 +59,23 @@ enum {
     LOG_REFUSED_CAUSE = 0x02, /* CAN_ERR_CRTL_TX_OVERFLOW */
     LOG_REFUSED = 0x80,       /* in LOG_FAULT_BYTE, with the number of the message */
     LOG_NUMBERS = 0x40,       /* numbers of messages: identifiers of one plant */
-    LOG_MISSED = 0xC0         /* in LOG_FAULT_BYTE */
+    LOG_MISSED = 0xC0,        /* in LOG_FAULT_BYTE */
+    LOG_PLANT = 0xC1,         /* in LOG_FAULT_BYTE */
+    LOG_AGAINST = 0xC2,       /* in LOG_FAULT_BYTE */
+    LOG_COMMANDS = 0x10       /* that a plant takes of each block of FRAME_IDS; it sends the others */
 };
 
 /* The way of a line's frame. */
 enum log_way {
-    LOG_UNKNOWN, /* no mark: the line of another tool */
+    LOG_UNKNOWN, /* not told: the line of another tool */
     LOG_RECEIVED,
     LOG_SENT,
     /* was to be sent and refused: of the frame bytes 2 to 7 are known, and its id is the number of the
      * message */
     LOG_NO_ROOM,
-    LOG_OVERRUN /* no frame: frame periods were missed */
+    LOG_OVERRUN, /* no frame: frame periods were missed */
+    LOG_BEGIN,   /* no frame: here begins what a plant recorded */
+    LOG_TURN     /* no frame: the next one went against its identifier */
 };
 
 struct log {
@@ -77,7 +86,9 @@ struct log {
     char interface[LOG_INTERFACE];
     char buffer[LOG_BUFFER];
     uint32_t n_bytes;
-    uint64_t limit;      /* bytes that the file may have; 0: none. The owner sets it after log_open */
+    uint64_t limit; /* bytes that the file may have; 0: none. The owner sets it after log_open */
+    bool listens;   /* no plant records here, but who hears one: no ways. The owner sets it after log_open */
+    bool begun;     /* LOG_BEGIN is recorded */
     uint64_t written;    /* bytes in the file */
     uint64_t whole;      /* bytes up to the begin of the frame whose lines are being written */
     uint64_t lines;      /* recorded */
@@ -107,39 +118,66 @@ const char *log_error(const struct log *l);
 /* Writes what is buffered and closes. NULL, or the write error, now or earlier. */
 const char *log_close(struct log *l);
 
+/* The kinds of lines. */
+enum log_kind {
+    LOG_DATA,   /* a data frame, a fault, or a word of the recorder: a plant sends, takes or reports it */
+    LOG_FD,     /* a CAN FD frame; this and what follows no plant sends */
+    LOG_REMOTE, /* a remote frame */
+    LOG_ERROR,  /* an error frame that no plant reports */
+    LOG_DAMAGED,
+    LOG_CUT, /* no end of line: the file ends there, and what is left of the line may still look whole */
+    LOG_KINDS
+};
+
 /* One line of a log. */
 struct log_line {
+    enum log_kind kind;
     uint64_t time_us;
     char interface[LOG_INTERFACE];
-    struct frame frame; /* where fault is 0 */
-    int fault; /* hal_fault bits of an error frame; another tool's: HAL_BUS_OFF or HAL_ERROR_PASSIVE */
+    struct frame frame; /* for LOG_DATA, where fault is 0 */
+    int fault;          /* hal_fault bits of an error frame, or what a plant reports when it hears one */
     enum log_way way;
     uint32_t missed; /* periods of LOG_OVERRUN */
 };
 
-/* Parses one line without its line end. NULL, or what is wrong with it at *column (from 1). Accepted
- * beyond the own form: lower-case digits, and no " R" or " T" at the end. Refused with a reason: CAN FD
- * (`##`), remote frames, anything else. Pure. */
+/* Parses one line without its line end: its kind is in *out. NULL, or for LOG_DAMAGED what is wrong with it
+ * at *column (from 1). Accepted beyond the own form, for candump writes them: lower-case digits, several
+ * blanks before the interface, nanoseconds, a raw length ("_B") behind 8 bytes, " R" or " T" at the end.
+ * Pure. */
 const char *log_parse(const char *text, struct log_line *out, int *column);
 
-/* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. Pure. */
+/* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. The way of a
+ * data frame is not written. Pure. */
 int log_format(char *text, const struct log_line *line);
 
-/* Reads a log line by line. Empty lines and lines that begin with '#' are passed over. */
+/* Reads a log line by line. */
 struct log_reader {
     FILE *file;
     const char *path;
-    uint64_t line; /* number of the last line read, from 1 */
+    uint64_t line;               /* number of the last line read, from 1 */
+    const char *interface;       /* read its lines only; NULL: all. Set it after log_reader_open */
+    uint64_t count[LOG_KINDS];   /* lines so far */
+    uint64_t elsewhere;          /* and lines of other interfaces */
+    bool of_plant;               /* LOG_BEGIN was read: identifiers tell the ways */
+    bool turned;                 /* the next frame went against its identifier */
+    char damage[LOG_REASON / 2]; /* why the first damaged line is none */
     char reason[LOG_REASON];
 };
 
-/* NULL, or the reason. `path` must stay valid. */
+/* NULL, or the reason. The bytes of a pipe are kept in a file. `path` must stay valid. */
 const char *log_reader_open(struct log_reader *r, const char *path);
 
-/* 1 and *out filled, 0 at the end of the file, -1 for a bad line: r->reason is `path:line:column: what`. A
- * last line without a line end is bad: it was cut off, and what is left of it may still look whole. */
+/* 1 and *out filled with the next line of LOG_DATA, its way known if the log tells it. The other kinds are
+ * passed over and counted; empty lines and those that begin with '#' are passed over. 0 at the end of the
+ * file. -1 when it cannot be read, or at its end when no line was one of candump: then r->reason says so. */
 int log_read_line(struct log_reader *r, struct log_line *out);
 
+/* Back to the first line. */
+void log_reader_rewind(struct log_reader *r);
+
 void log_reader_close(struct log_reader *r);
+
+/* The way that the identifier of a plant's frame tells. */
+enum log_way log_way_of(const struct frame *f);
 
 #endif

@@ -4,7 +4,16 @@
 #include <errno.h>
 #include <string.h>
 
-enum { SECONDS_DIGITS = 12, MICRO_DIGITS = 6, READ_MAX = 256 };
+enum {
+    SECONDS_DIGITS = 12,
+    MICRO_DIGITS = 6,
+    NANO_DIGITS = 9,
+    FD_DATA = 64,
+    READ_MAX = 256,
+    /* in data byte 1 of an error frame of class LOG_ERROR_CONTROLLER, see linux/can/error.h */
+    ERROR_OVERFLOW = 0x01,
+    ERROR_PASSIVE = 0x3C /* warning or passive, receiving or sending */
+};
 
 /* A position in the line being parsed, and the first thing that was wrong with it. */
 struct cursor {
@@ -55,15 +64,17 @@ static void parse_time(struct cursor *c, struct log_line *out)
     uint64_t seconds = digits(c, 10, SECONDS_DIGITS, &n);
     fail_if(c, n == 0, "seconds expected");
     expect(c, '.', "'.' expected after at most 12 digits of seconds");
-    uint64_t micros = digits(c, 10, MICRO_DIGITS, &n);
-    fail_if(c, n != MICRO_DIGITS, "6 digits of microseconds expected");
+    uint64_t fraction = digits(c, 10, NANO_DIGITS, &n);
+    fail_if(c, n != MICRO_DIGITS && n != NANO_DIGITS, "6 digits of microseconds expected");
     expect(c, ')', "')' expected after 6 digits of microseconds");
-    expect(c, ' ', "one space expected after the time");
-    out->time_us = seconds * 1000000u + micros;
+    expect(c, ' ', "a space expected after the time");
+    out->time_us = seconds * 1000000u + (n == NANO_DIGITS ? fraction / 1000 : fraction);
 }
 
 static void parse_interface(struct cursor *c, struct log_line *out)
 {
+    if (!c->wrong)
+        c->at += strspn(c->at, " "); /* candump aligns names of several lengths */
     size_t n = c->wrong ? 0 : strcspn(c->at, " \t");
     fail_if(c, n < 1 || n >= LOG_INTERFACE, "an interface name of 1 to 15 characters expected");
     if (c->wrong)
@@ -92,19 +103,50 @@ static void parse_identifier(struct cursor *c, struct log_line *out)
     out->frame.id = id;
     out->frame.flags = n == 8 ? FRAME_EXTENDED : 0;
     expect(c, '#', "'#' expected after the identifier");
-    fail_if(c, !c->wrong && *c->at == '#', "CAN FD frame: only classic frames of up to 8 bytes are possible");
-    fail_if(c, !c->wrong && *c->at == 'R', "remote frame: only data frames are possible");
+}
+
+static bool next_is(struct cursor *c, char ch)
+{
+    bool is = !c->wrong && *c->at == ch;
+    c->at += is;
+    return is;
+}
+
+/* At most `max` bytes, into data[FRAME_DATA] unless that is NULL. */
+static int parse_bytes(struct cursor *c, int max, uint8_t *data)
+{
+    int count = 0;
+    for (int n = 2; !c->wrong && hex_digit(*c->at) >= 0; count++) {
+        fail_if(c, count == max, "more data bytes than a frame has");
+        uint8_t byte = (uint8_t)digits(c, 16, 2, &n);
+        fail_if(c, n != 2, "half a data byte");
+        if (!c->wrong && data)
+            data[count] = byte;
+    }
+    return count;
 }
 
 static void parse_data(struct cursor *c, struct log_line *out)
 {
-    for (int n = 2; !c->wrong && hex_digit(*c->at) >= 0;) {
-        fail_if(c, out->frame.length == FRAME_DATA, "more than 8 data bytes");
-        uint8_t byte = (uint8_t)digits(c, 16, 2, &n);
-        fail_if(c, n != 2, "half a data byte");
-        if (!c->wrong)
-            out->frame.data[out->frame.length++] = byte;
+    int n;
+    out->kind = next_is(c, '#') ? LOG_FD : next_is(c, 'R') ? LOG_REMOTE : LOG_DATA;
+    if (out->kind == LOG_FD) {
+        (void)digits(c, 16, 1, &n);
+        fail_if(c, n != 1, "a digit of CAN FD flags expected");
+        (void)parse_bytes(c, FD_DATA, NULL);
+    } else if (out->kind == LOG_REMOTE) {
+        (void)digits(c, 16, 1, &n); /* the length that it asks for */
+    } else {
+        out->frame.length = (uint8_t)parse_bytes(c, FRAME_DATA, out->frame.data);
     }
+    if (out->kind != LOG_FD && next_is(c, '_')) { /* the length as it was on the wire, 9 to F */
+        (void)digits(c, 16, 1, &n);
+        fail_if(c, n != 1, "a digit of the raw length expected");
+    }
+}
+
+static void parse_end(struct cursor *c, struct log_line *out)
+{
     if (!c->wrong && c->at[0] == ' ' && (c->at[1] == 'R' || c->at[1] == 'T')) {
         out->way = c->at[1] == 'R' ? LOG_RECEIVED : LOG_SENT;
         c->at += 2;
@@ -112,12 +154,38 @@ static void parse_data(struct cursor *c, struct log_line *out)
     fail_if(c, !c->wrong && *c->at != 0, "data bytes of two hex digits expected, and nothing after them");
 }
 
+/* The error frame is all 0 but for some bits in byte 5: the recorder's. */
+static bool is_own_fault(const struct frame *f)
+{
+    const uint8_t *d = f->data;
+    uint32_t class = f->id & ~(uint32_t)LOG_ERROR_FRAME;
+    bool known = class == LOG_ERROR_CONTROLLER || class == LOG_ERROR_BUS_OFF;
+    return known && f->length == FRAME_DATA && d[LOG_FAULT_BYTE] && !(d[LOG_FAULT_BYTE] & ~LOG_FAULT_BITS) &&
+           !(d[0] | d[1] | d[2] | d[3] | d[4] | d[6] | d[7]);
+}
+
+/* The hal_fault bits of an error frame, as hal/posix/socketcan.c reports them; 0: it passes it over. */
 static int line_fault(const struct frame *f)
 {
-    int recorded = f->data[LOG_FAULT_BYTE] & LOG_FAULT_BITS;
-    if (recorded)
-        return recorded;
-    return f->id & LOG_ERROR_BUS_OFF ? HAL_BUS_OFF : HAL_ERROR_PASSIVE;
+    if (is_own_fault(f))
+        return f->data[LOG_FAULT_BYTE];
+    int fault = f->id & LOG_ERROR_BUS_OFF ? HAL_BUS_OFF : 0;
+    if (f->id & LOG_ERROR_CONTROLLER && f->data[1] & ERROR_PASSIVE)
+        fault |= HAL_ERROR_PASSIVE;
+    if (f->id & LOG_ERROR_CONTROLLER && f->data[1] & ERROR_OVERFLOW)
+        fault |= HAL_DROPPED;
+    return fault;
+}
+
+/* A word of the recorder without a number: its way; LOG_UNKNOWN for another line. */
+static enum log_way read_word(const struct frame *f)
+{
+    const uint8_t *d = f->data;
+    if (d[0] | d[2] | d[3] | d[4])
+        return LOG_UNKNOWN;
+    return d[LOG_FAULT_BYTE] == LOG_PLANT     ? LOG_BEGIN
+           : d[LOG_FAULT_BYTE] == LOG_AGAINST ? LOG_TURN
+                                              : LOG_UNKNOWN;
 }
 
 /* A line of the recorder that is no fault, see log.h: false when it is none of these. */
@@ -134,11 +202,13 @@ static bool read_own(struct log_line *out)
         out->way = LOG_NO_ROOM;
         return true;
     }
-    if (d[LOG_REFUSED_BYTE] != 0 || what != LOG_MISSED || d[6] != 0 || d[7] != 0)
+    if (d[LOG_REFUSED_BYTE] != 0 || d[6] != 0 || d[7] != 0)
+        return false;
+    out->way = what == LOG_MISSED ? LOG_OVERRUN : read_word(f);
+    if (out->way == LOG_UNKNOWN)
         return false;
     out->missed = d[0] | (uint32_t)d[2] << 8 | (uint32_t)d[3] << 16 | (uint32_t)d[4] << 24;
     out->frame = (struct frame){.id = 0};
-    out->way = LOG_OVERRUN;
     return true;
 }
 
@@ -150,52 +220,141 @@ const char *log_parse(const char *text, struct log_line *out, int *column)
     parse_interface(&c, out);
     parse_identifier(&c, out);
     parse_data(&c, out);
-    if (!c.wrong && out->frame.id & LOG_ERROR_FRAME && !read_own(out))
+    parse_end(&c, out);
+    if (c.wrong) {
+        out->kind = LOG_DAMAGED;
+    } else if (out->kind == LOG_DATA && out->frame.id & LOG_ERROR_FRAME && !read_own(out)) {
         out->fault = line_fault(&out->frame);
+        out->kind = out->fault ? LOG_DATA : LOG_ERROR;
+    }
     *column = (int)(c.at - text) + 1;
     return c.wrong;
 }
 
 /* ---- a file of lines ---- */
 
+/* The bytes of a pipe as a file without a name; NULL where that cannot be had. */
+static FILE *keep_pipe(FILE *pipe)
+{
+    FILE *kept = tmpfile();
+    bool whole = kept != NULL;
+    int ch;
+    while (whole && (ch = getc_unlocked(pipe)) != EOF) /* bounded by the pipe */
+        whole = putc_unlocked(ch, kept) != EOF;
+    whole = whole && !ferror(pipe) && fflush(kept) == 0 && fseek(kept, 0, SEEK_SET) == 0;
+    if (kept && !whole)
+        (void)fclose(kept);
+    (void)fclose(pipe);
+    return whole ? kept : NULL;
+}
+
 const char *log_reader_open(struct log_reader *r, const char *path)
 {
     memset(r, 0, sizeof *r);
     r->path = path;
     r->file = fopen(path, "re");
+    if (r->file && fseek(r->file, 0, SEEK_CUR) != 0)
+        r->file = keep_pipe(r->file);
     if (r->file)
         return NULL;
     snprintf(r->reason, sizeof r->reason, "log: cannot read %s: %s", path, strerror(errno));
     return r->reason;
 }
 
-static int bad_line(struct log_reader *r, int column, const char *what)
+void log_reader_rewind(struct log_reader *r)
 {
-    snprintf(r->reason, sizeof r->reason, "%.120s:%llu:%d: %s", r->path, (unsigned long long)r->line, column,
-             what);
-    return -1;
+    struct log_reader fresh = {.file = r->file, .path = r->path, .interface = r->interface};
+    rewind(r->file);
+    *r = fresh;
+}
+
+static void note_damage(struct log_reader *r, int column, const char *what)
+{
+    if (!*r->damage)
+        snprintf(r->damage, sizeof r->damage, "line %llu, column %d: %s", (unsigned long long)r->line, column,
+                 what);
+}
+
+/* The next line without its end into text[READ_MAX], and its kind, LOG_KINDS at the end of the file. The rest
+ * of a longer line is passed over. */
+static enum log_kind read_text(struct log_reader *r, char *text)
+{
+    size_t n = 0;
+    int ch;
+    while ((ch = getc_unlocked(r->file)) != EOF && ch != '\n') { /* bounded by the file */
+        if (n < READ_MAX - 1)
+            text[n] = (char)ch;
+        n++;
+    }
+    if (ch == EOF && n == 0)
+        return LOG_KINDS;
+    r->line++;
+    text[n < READ_MAX ? n : READ_MAX - 1] = 0;
+    if (ch == EOF)
+        return LOG_CUT;
+    if (n >= READ_MAX || strlen(text) != n) {
+        note_damage(r, 1, n >= READ_MAX ? "line too long" : "a zero byte: not a text file");
+        return LOG_DAMAGED;
+    }
+    if (n && text[n - 1] == '\r')
+        text[n - 1] = 0;
+    return LOG_DATA;
+}
+
+static bool is_empty(const char *text)
+{
+    size_t blanks = strspn(text, " \t");
+    return text[blanks] == 0 || text[blanks] == '#';
+}
+
+static int end_of_file(struct log_reader *r)
+{
+    uint64_t lines = r->elsewhere;
+    for (int kind = 0; kind < LOG_DAMAGED; kind++)
+        lines += r->count[kind];
+    if (ferror(r->file))
+        snprintf(r->reason, sizeof r->reason, "log: cannot read %.120s: %s", r->path, strerror(errno));
+    else if (!lines)
+        snprintf(r->reason, sizeof r->reason, "%.80s: no line of it is one of candump -L%s%s", r->path,
+                 *r->damage ? "; " : "", r->damage);
+    return ferror(r->file) || !lines ? -1 : 0;
+}
+
+/* A line of LOG_DATA by the words before it. False: it is such a word itself. */
+static bool take_way(struct log_reader *r, struct log_line *line)
+{
+    r->of_plant = r->of_plant || line->way == LOG_BEGIN;
+    if (line->way == LOG_BEGIN || line->way == LOG_TURN) {
+        r->turned = line->way == LOG_TURN;
+        return false;
+    }
+    if (line->fault || line->way != LOG_UNKNOWN || !r->of_plant)
+        return true;
+    line->way = log_way_of(&line->frame);
+    if (r->turned)
+        line->way = line->way == LOG_SENT ? LOG_RECEIVED : LOG_SENT;
+    r->turned = false;
+    return true;
 }
 
 int log_read_line(struct log_reader *r, struct log_line *out)
 {
     char text[READ_MAX];
+    enum log_kind kind;
     int column;
-    while (fgets(text, sizeof text, r->file)) {
-        size_t n = strlen(text);
-        r->line++;
-        if (n == 0)
-            return bad_line(r, 1, "a zero byte: not a text file");
-        if (text[n - 1] != '\n')
-            return bad_line(r, (int)n + 1,
-                            n == sizeof text - 1 ? "line too long" : "cut off: no end of line");
-        n -= n > 1 && text[n - 2] == '\r' ? 2 : 1;
-        text[n] = 0;
-        if (text[0] == 0 || text[0] == '#')
+    while ((kind = read_text(r, text)) != LOG_KINDS) {
+        if (kind == LOG_DATA && is_empty(text))
             continue;
-        const char *wrong = log_parse(text, out, &column);
-        return wrong ? bad_line(r, column, wrong) : 1;
+        const char *wrong = kind == LOG_DATA ? log_parse(text, out, &column) : NULL;
+        if (wrong)
+            note_damage(r, column, wrong);
+        kind = kind == LOG_DATA ? out->kind : kind;
+        bool here = kind >= LOG_DAMAGED || !r->interface || !strcmp(r->interface, out->interface);
+        *(here ? &r->count[kind] : &r->elsewhere) += 1;
+        if (here && kind == LOG_DATA && take_way(r, out))
+            return 1;
     }
-    return ferror(r->file) ? bad_line(r, 1, strerror(errno)) : 0;
+    return end_of_file(r);
 }
 
 void log_reader_close(struct log_reader *r)

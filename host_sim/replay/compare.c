@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/bus/identity.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/commands.h"
 #include "host_sim/replay/decode_signals.h"
@@ -12,6 +11,9 @@
 static const struct option compare_options[] = {
     {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
      .initial = NULL},
+    {"interface", "NAME",
+     "of logs of several interfaces, the one that the plant is on; given twice: of each log", OPTION_TEXT,
+     .many = true},
     {.name = NULL},
 };
 
@@ -56,7 +58,7 @@ static bool open_side(struct side *s, const struct compare *c, int i, char *text
     const struct app *a = &c->scene->app;
     memset(s, 0, sizeof *s);
     s->zero = s->last = i ? c->zero : 0;
-    const char *reason = decode_open(&s->log, c->path[i], &a->scene, a->plant.tick_s);
+    const char *reason = decode_open(&s->log, c->path[i], c->interface[i], &a->scene, a->plant.tick_s);
     if (reason)
         snprintf(text, COMPARE_TEXT, "%s", reason);
     else
@@ -69,6 +71,8 @@ static int outside(const struct compare *c, const struct decode_row *a, const st
 {
     for (int i = 0; i < decode_signals(c->scene->config.model); i++) {
         bool neither = isnan(a->value[i]) && isnan(b->value[i]);
+        if (c->gaps && i < DECODE_OUTPUTS && !(a->said[i / 2] && b->said[i / 2]))
+            continue;
         if (!isnan(c->tolerance[i]) && !neither && !(fabs(a->value[i] - b->value[i]) <= c->tolerance[i]))
             return i;
     }
@@ -117,7 +121,7 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
             step(b);
     }
     if (a->got < 0 || b->got < 0) {
-        snprintf(text, COMPARE_TEXT, "%s", a->got < 0 ? a->log.reader.reason : b->log.reader.reason);
+        snprintf(text, COMPARE_TEXT, "%s", (a->got < 0 ? a : b)->log.log.reader.reason);
         return COMPARE_BAD;
     }
     snprintf(text, COMPARE_TEXT, "%llu rows agree", n);
@@ -134,19 +138,6 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
     return n ? COMPARE_APART : COMPARE_BAD;
 }
 
-/* A log tells its plant's identity; another plant's numbers mean other things. */
-static bool has_identity(const struct compare *c, const struct side *s, int i, char *text)
-{
-    double identity = 0.0;
-    (void)identity_item(&c->scene->app.scene, INFO_IDENTITY, &identity);
-    if (isnan(s->log.identity) || s->log.identity == (double)(float)identity)
-        return true;
-    snprintf(text, COMPARE_TEXT,
-             "%s is of another plant: another scene, rate or substeps; record it anew, or name its scene",
-             c->path[i]);
-    return false;
-}
-
 enum compare_verdict compare_logs(const struct compare *c, char *text)
 {
     static struct side a, b;
@@ -155,7 +146,8 @@ enum compare_verdict compare_logs(const struct compare *c, char *text)
         return v;
     if (open_side(&b, c, 1, text)) {
         v = compare_rows(c, &a, &b, text);
-        v = has_identity(c, &a, 0, text) && has_identity(c, &b, 1, text) ? v : COMPARE_BAD;
+        for (int i = 0; i < 2 && v != COMPARE_BAD; i++)
+            decode_tell(i ? &b.log : &a.log, c->command);
         decode_close(&b.log);
     }
     decode_close(&a.log);
@@ -190,7 +182,7 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
 int cmd_compare(int argc, char **argv)
 {
     static struct scene_app scene;
-    struct compare c = {.scene = &scene, .end = UINT64_MAX};
+    struct compare c = {.command = "compare", .scene = &scene, .end = UINT64_MAX};
     struct options o;
     char text[COMPARE_TEXT];
     int status;
@@ -202,8 +194,10 @@ int cmd_compare(int argc, char **argv)
     for (int i = 2; i < o.n_words && !status; i++)
         status = read_tolerance(&o, scene.config.model, o.word[i], &c);
     if (!status) {
-        c.path[0] = o.word[0];
-        c.path[1] = o.word[1];
+        for (int i = 0; i < 2; i++) {
+            c.path[i] = o.word[i];
+            c.interface[i] = options_text(&o, "interface", options_count(&o, "interface") > 1 ? i : 0);
+        }
         enum compare_verdict v = compare_logs(&c, text);
         if (v == COMPARE_BAD)
             status = options_failure(&compare_usage, "%s", text);

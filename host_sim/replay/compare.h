@@ -10,11 +10,13 @@ enum compare_verdict { COMPARE_EQUAL, COMPARE_APART, COMPARE_BAD };
 
 struct compare {
     const char *path[2];
+    const char *interface[2];         /* on which its plant is; NULL: there is one */
+    const char *command;              /* the subcommand that compares */
     const struct scene_app *scene;    /* that made both */
     double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
     uint64_t zero;                    /* tick of the second log that is tick 0 of the first one */
     uint64_t end;                     /* the last tick that is compared; UINT64_MAX: all */
-    bool gaps;                        /* a row that one of them has not is passed over */
+    bool gaps;                        /* rows and outputs that one of them has not are passed over */
 };
 
 /* Compares the rows of equal ticks, where plant time runs. text[COMPARE_TEXT]: the row in which they part,

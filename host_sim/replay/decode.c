@@ -29,19 +29,21 @@ static const struct usage decode_usage = {
     .words = "LOG [SCENE]",
     .summary =
         "Prints a recorded log as a table in SI units, a row for each SYNC of the plant: plant time, state,\n"
-        "the outputs that the bus carries, and the newest sample streamed to each input. Give the SCENE and\n"
-        "options of the recorded run.",
+        "the outputs that the bus carries, and the newest sample streamed to each input. A cell whose frame "
+        "is\n"
+        "missing is empty. Give the SCENE and options of the recorded run.",
     .words_help = DECODE_LOG_WORDS SCENE_WORDS_HELP,
     .examples = "  contactplant decode run.log --out run.csv --events events.csv --svg run.svg\n"
                 "  contactplant decode field.log my.ini --base-id 0x240 | head\n",
     .min_words = 1,
     .max_words = 2,
-    .table = {decode_options, scene_options},
+    .table = {decode_options, decode_log_options, scene_options},
 };
 
 static int open_log(struct decode *d, const struct options *o, const char *path, const struct scene_app *s)
 {
-    const char *reason = decode_open(d, path, &s->app.scene, s->app.plant.tick_s);
+    const char *reason =
+        decode_open(d, path, options_text(o, "interface", 0), &s->app.scene, s->app.plant.tick_s);
     return reason ? options_failure(o->usage, "%s", reason) : 0;
 }
 
@@ -109,7 +111,7 @@ static int print_rows(struct decode *d, const struct options *o, const struct mo
         log_series_add(&rows, &row);
     }
     if (got < 0)
-        return options_failure(o->usage, "%s", d->reader.reason);
+        return options_failure(o->usage, "%s", d->log.reader.reason);
     if (!d->begun)
         return decode_no_rows(o, o->word[0]);
     return options_given(o, "svg") && rows.n ? draw(&rows, o, m) : 0;
@@ -162,10 +164,13 @@ int cmd_decode(int argc, char **argv)
     status = status ? status : scene_load_check_files(&o, scene.origin, 1, o.word[0], files);
     if (!status && !(status = open_log(&d, &o, o.word[0], &scene))) {
         status = decode_files(&d, &o, scene.config.model);
+        if (!status)
+            decode_tell(&d, o.usage->name);
         decode_close(&d);
     }
     if (!status)
-        status = log_report(&o, o.word[0], &scene, argc, argv, NULL, NULL, NULL);
+        status =
+            log_report(&o, o.word[0], options_text(&o, "interface", 0), &scene, argc, argv, NULL, NULL, NULL);
     scene_free(&scene);
     return status;
 }

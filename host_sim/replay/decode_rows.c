@@ -3,6 +3,7 @@
 #include "models/check.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_s)
@@ -10,20 +11,21 @@ void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_
     memset(d, 0, sizeof *d);
     d->scene = *scene;
     d->tick_s = tick_s;
-    d->identity = (double)NAN;
+    d->row.state = -1;
     for (int i = 0; i < DECODE_SIGNALS; i++)
         d->row.value[i] = (double)NAN;
 }
 
-const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s)
+const char *decode_open(struct decode *d, const char *path, const char *interface,
+                        const struct wire_scene *scene, double tick_s)
 {
     decode_begin(d, scene, tick_s);
-    return log_reader_open(&d->reader, path);
+    return plant_log_open(&d->log, path, interface, scene);
 }
 
 void decode_close(struct decode *d)
 {
-    log_reader_close(&d->reader);
+    plant_log_close(&d->log);
 }
 
 /* The number at or after `last` with these low bits, or just before it. */
@@ -33,27 +35,125 @@ static uint64_t extend(uint64_t last, double low, int bits)
     return up > mask / 2 && last >= mask + 1 - up ? last - (mask + 1 - up) : last + up;
 }
 
-static void hear_sync(struct decode *d, const struct message *m)
+/* ---- missing frames ---- */
+
+/* SYNC, MOTION and CONTACT come at a steady pace. */
+static bool is_steady(unsigned kind)
 {
-    d->row.frame = extend(d->row.frame, m->value[SYNC_FRAME], 16);
-    d->row.tick = extend(d->row.tick, m->value[SYNC_TICK], 32);
-    d->row.t_s = (double)d->row.tick * d->tick_s;
-    d->begun = true;
+    return kind == WIRE_SYNC || kind == WIRE_MOTION || kind == WIRE_CONTACT;
 }
 
-static void hear_event(struct decode *d, const struct message *m)
+/* Frames from the last one of this kind to one in this bus frame, at this tick. The plant's frames count
+ * while its time runs, those of the bus while it stands. */
+static double steps(const struct decode *d, const struct decode_counter *c, uint64_t frame, uint64_t tick)
 {
-    if (m->kind == WIRE_EVENT_TIME) {
-        uint64_t tick = extend(d->row.tick, m->value[EVENT_TIME_TICK], 32);
-        d->event = (struct decode_event){.t_s = ((double)tick + m->value[EVENT_TIME_FRACTION]) * d->tick_s,
-                                         .touch = m->value[EVENT_TOUCH] > 0.0,
-                                         .contact = (unsigned)m->value[EVENT_CONTACT]};
+    double ticks = (double)tick - (double)c->tick;
+    return ticks != 0.0 || !d->scene.substeps ? ticks / fmax(1.0, d->scene.substeps)
+                                              : (double)frame - (double)c->frame;
+}
+
+/* How many of a kind are missing before this one; below 0: it is none newer, but repeated or overtaken.
+ * COUNTER tells it modulo 15, and where the pace is known, that tells the rest. */
+static int64_t count_missing(const struct decode_counter *c, const struct message *m, double n_steps)
+{
+    int base = (m->counter + 2 * WIRE_COUNTER_STATES - c->counter - 1) % WIRE_COUNTER_STATES;
+    if (!c->heard)
+        return 0;
+    if (!(c->every > 0.0))
+        return base == WIRE_COUNTER_STATES - 1 ? -1 : base;
+    double turns = floor((n_steps / c->every - 1.0 - base) / WIRE_COUNTER_STATES + 0.5);
+    return base + (int64_t)fmax(turns, -1.0) * WIRE_COUNTER_STATES;
+}
+
+/* A pace that ends, or may: periods were missed, a setting was changed, the plant goes on or stands. */
+static void note_pace(struct decode *d, const struct message *m)
+{
+    bool other = m->kind == WIRE_STATUS && (int)m->value[STATUS_STATE] != d->row.state;
+    if (!other && m->kind != WIRE_OVERRUN && m->kind != WIRE_PARAM_ECHO)
+        return;
+    d->counter[WIRE_SYNC].every = -1.0;
+    d->counter[WIRE_MOTION].every = d->counter[WIRE_CONTACT].every = -1.0;
+}
+
+/* A message of the plant in this bus frame, at this tick. Frames missing before it; -1: it is none newer. */
+static int64_t note_counter(struct decode *d, const struct message *m, uint64_t frame, uint64_t tick)
+{
+    struct decode_counter *c = &d->counter[m->kind];
+    double n_steps = steps(d, c, frame, tick);
+    int64_t missing = count_missing(c, m, n_steps);
+    if (missing < 0)
+        return -1;
+    if (is_steady(m->kind) && c->heard)
+        c->every = c->every < 0.0 ? 0.0 : n_steps / (double)(missing + 1);
+    d->missing += (uint64_t)missing;
+    c->heard = true;
+    c->counter = m->counter;
+    c->frame = frame;
+    c->tick = tick;
+    return missing;
+}
+
+/* ---- messages ---- */
+
+/* The first one is the row's own. With SYNCs missing behind it, that is sure only where each has one. */
+static bool is_sure(const struct decode_pair *p, int64_t missing_syncs)
+{
+    return p->came > 0 && (missing_syncs == 0 || p->came == 1 + (uint64_t)missing_syncs);
+}
+
+/* True where by its pace one of this kind was due at the row. */
+static bool was_due(const struct decode *d, unsigned kind)
+{
+    const struct decode_counter *c = &d->counter[kind];
+    return c->heard && c->every > 0.0 && steps(d, c, d->row.frame, d->row.tick) > c->every - 0.5;
+}
+
+static void finish_pair(const struct decode *d, int i, bool sure, struct decode_row *row)
+{
+    row->said[i] = sure;
+    if (sure) {
+        row->closed = d->pair[i].closed;
+        row->contact_known = true;
         return;
     }
-    d->event.speed = m->value[EVENT_DATA_SPEED];
-    d->event.peak_force_N = m->value[EVENT_DATA_PEAK_FORCE];
-    if (d->heard)
-        d->heard(d->context, &d->event);
+    row->due = row->due || was_due(d, WIRE_MOTION + (unsigned)i);
+    row->value[2 * i] = row->value[2 * i + 1] = (double)NAN;
+    row->beyond &= ~(3u << 2 * i);
+}
+
+/* The row as it is complete: without the pairs that may belong to a SYNC that is missing. */
+static void finish_row(struct decode *d, int64_t missing_syncs, struct decode_row *row)
+{
+    *row = d->row;
+    for (int i = 0; i < DECODE_PAIRS; i++)
+        finish_pair(d, i, is_sure(&d->pair[i], missing_syncs), row);
+}
+
+static void begin_row(struct decode *d, uint64_t frame, uint64_t tick)
+{
+    d->row.frame = frame;
+    d->row.tick = tick;
+    d->row.t_s = (double)tick * d->tick_s;
+    d->begun = true;
+    memset(d->pair, 0, sizeof d->pair);
+}
+
+/* True where it completes a row. A plant that begins anew counts from 0 again. */
+static bool hear_sync(struct decode *d, const struct message *m, struct decode_row *row)
+{
+    uint64_t frame = extend(d->row.frame, m->value[SYNC_FRAME], 16);
+    uint64_t tick = extend(d->row.tick, m->value[SYNC_TICK], 32);
+    bool complete = d->begun, anew = frame + WIRE_COUNTER_STATES < d->row.frame;
+    if (anew) {
+        frame = (uint64_t)m->value[SYNC_FRAME];
+        memset(d->counter, 0, sizeof d->counter);
+    }
+    int64_t missing = note_counter(d, m, frame, tick);
+    if (missing < 0)
+        return false;
+    finish_row(d, missing, row);
+    begin_row(d, frame, tick);
+    return complete;
 }
 
 /* Takes output i, or that it is not available. */
@@ -64,41 +164,80 @@ static void take_output(struct decode_row *row, int i, double value)
     row->beyond |= isnan(value) ? 1u << i : 0u;
 }
 
-static void take_pair(struct decode_row *row, int i, const struct message *m)
-{
-    row->closed = (unsigned)m->value[CONTACT_IN_CONTACT];
-    row->contact_known = true;
-    take_output(row, i, m->value[CONTACT_PENETRATION]);
-    take_output(row, i + 1, m->value[CONTACT_FORCE]);
-}
-
 STATIC_ASSERT((int)MOTION_IN_CONTACT == (int)CONTACT_IN_CONTACT &&
                   (int)MOTION_DISPLACEMENT == (int)CONTACT_PENETRATION &&
                   (int)MOTION_VELOCITY == (int)CONTACT_FORCE,
               pairs_are_alike);
 
+static void hear_pair(struct decode *d, const struct message *m, int i, int64_t missing)
+{
+    struct decode_pair *p = &d->pair[i];
+    if (missing < 0)
+        return;
+    p->came += (p->came ? (unsigned)missing : 0) + 1;
+    if (p->came > 1)
+        return; /* it is a later SYNC's, which is missing */
+    p->closed = (unsigned)m->value[MOTION_IN_CONTACT];
+    take_output(&d->row, 2 * i, m->value[MOTION_DISPLACEMENT]);
+    take_output(&d->row, 2 * i + 1, m->value[MOTION_VELOCITY]);
+}
+
+static void tell_event(struct decode *d)
+{
+    if (d->event_waits && d->heard)
+        d->heard(d->context, &d->event);
+    d->event_waits = false;
+}
+
+/* An event is two messages of one COUNTER. Without its time it is none, without its data it is told as it is.
+ */
+static void hear_event(struct decode *d, const struct message *m)
+{
+    if (m->kind == WIRE_EVENT_TIME) {
+        uint64_t tick = extend(d->row.tick, m->value[EVENT_TIME_TICK], 32);
+        tell_event(d);
+        d->event = (struct decode_event){.t_s = ((double)tick + m->value[EVENT_TIME_FRACTION]) * d->tick_s,
+                                         .touch = m->value[EVENT_TOUCH] > 0.0,
+                                         .contact = (unsigned)m->value[EVENT_CONTACT],
+                                         .untold = true,
+                                         .speed = (double)NAN,
+                                         .peak_force_N = (double)NAN};
+        d->event_counter = m->counter;
+        d->event_waits = true;
+        return;
+    }
+    if (!d->event_waits || m->counter != d->event_counter)
+        return;
+    d->event.untold = false;
+    d->event.speed = m->value[EVENT_DATA_SPEED];
+    d->event.peak_force_N = m->value[EVENT_DATA_PEAK_FORCE];
+    tell_event(d);
+}
+
 static void hear(struct decode *d, const struct message *m)
 {
-    double *value = d->row.value;
     log_tally_hear(&d->tally, m);
-    if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
-        value[DECODE_OUTPUTS + m->kind - WIRE_STREAM] = m->value[STREAM_SAMPLE];
+    if (m->kind < WIRE_COMMANDS) {
+        if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
+            d->row.value[DECODE_OUTPUTS + m->kind - WIRE_STREAM] = m->value[STREAM_SAMPLE];
+        return;
+    }
+    note_pace(d, m);
+    int64_t missing = note_counter(d, m, d->row.frame, d->row.tick);
+    if (m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT)
+        hear_pair(d, m, m->kind - WIRE_MOTION, missing);
     else if (m->kind == WIRE_EVENT_TIME || m->kind == WIRE_EVENT_DATA)
         hear_event(d, m);
-    else if (m->kind == WIRE_INFO && (int)m->value[INFO_ITEM] == INFO_IDENTITY)
-        d->identity = m->value[INFO_VALUE];
     else if (m->kind == WIRE_STATUS)
         d->row.state = (int)m->value[STATUS_STATE];
-    else if (m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT)
-        take_pair(&d->row, m->kind == WIRE_MOTION ? 0 : 2, m);
 }
 
 bool decode_take(struct decode *d, const struct message *m, struct decode_row *row)
 {
-    bool complete = d->begun && m->kind == WIRE_SYNC;
-    *row = d->row;
-    (m->kind == WIRE_SYNC ? hear_sync : hear)(d, m);
-    return complete;
+    if (m->kind == WIRE_SYNC)
+        return hear_sync(d, m, row);
+    hear(d, m);
+    return false;
 }
 
 /* A row ends where the next SYNC begins one, or with the log. */
@@ -107,17 +246,27 @@ int decode_next(struct decode *d, struct decode_row *row)
     struct log_line line;
     struct message m;
     int got = 0;
-    while (!d->ended && (got = log_read_line(&d->reader, &line)) > 0) {
-        d->lines++;
-        bool frame = line.fault == 0 && line.way != LOG_NO_ROOM && line.way != LOG_OVERRUN;
-        if (!frame || wire_decode(&d->scene, &line.frame, &m) != WIRE_OK)
-            continue;
-        d->ours++;
-        if (decode_take(d, &m, row))
+    while (!d->ended && (got = plant_log_next(&d->log, &line, &m)) > 0)
+        if (m.kind != WIRE_KINDS && decode_take(d, &m, row))
             return 1;
-    }
     bool last = !d->ended && got == 0 && d->begun;
     d->ended = true;
-    *row = d->row;
+    tell_event(d);
+    finish_row(d, 0, row);
     return got < 0 ? -1 : last;
+}
+
+void decode_tell(const struct decode *d, const char *command)
+{
+    plant_log_tell(&d->log, command);
+    decode_tell_missing(d, command, d->log.reader.path);
+}
+
+void decode_tell_missing(const struct decode *d, const char *command, const char *where)
+{
+    if (d->missing)
+        fprintf(stderr,
+                "contactplant %s: %s: %llu frames of the plant are missing (COUNTER, FRAME); their cells "
+                "are empty\n",
+                command, where, (unsigned long long)d->missing);
 }

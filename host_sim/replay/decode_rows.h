@@ -1,24 +1,30 @@
-/* decode_rows.h - a recorded log as rows in SI, one for each SYNC, and its contact events. */
+/* decode_rows.h - a recorded log as rows in SI, one for each SYNC, and its contact events.
+ *
+ * A row has what was said of its own tick. MOTION and CONTACT belong to the SYNC before them. Where COUNTERs
+ * tell that frames are missing between, so that they may be a later tick's, the row is without them. */
 #ifndef HOST_SIM_DECODE_ROWS_H
 #define HOST_SIM_DECODE_ROWS_H
 
 #include <stdbool.h>
 #include <stdint.h>
 #include "firmware/bus/wire.h"
-#include "hal/posix/log.h"
 #include "host_sim/replay/log_tally.h"
+#include "host_sim/replay/plant_log.h"
 
 enum {
     DECODE_OUTPUTS = 4, /* MOTION and CONTACT carry the first four of every model */
+    DECODE_PAIRS = 2,   /* which are these two */
     DECODE_SIGNALS = DECODE_OUTPUTS + MODEL_INPUTS
 };
 
 struct decode_row {
     uint64_t frame, tick;         /* bus frame, low 16 bits extended; plant tick */
     double t_s;                   /* plant time */
-    int state;                    /* as of the last STATUS */
+    int state;                    /* as of the last STATUS; -1: none came yet */
     unsigned closed;              /* bit i: contact i is closed */
     bool contact_known;           /* `closed` was said */
+    bool said[DECODE_PAIRS];      /* MOTION and CONTACT came for this tick */
+    bool due;                     /* one of them was due by its pace, and did not come */
     unsigned beyond;              /* bit i: output i was said to be not available */
     double value[DECODE_SIGNALS]; /* outputs, then the newest sample streamed to each input; NaN: not said */
 };
@@ -27,25 +33,44 @@ struct decode_event {
     double t_s;
     bool touch;
     unsigned contact;
-    double speed, peak_force_N; /* NaN: beyond the bus's range */
+    bool untold;                /* EVENT_DATA is missing: what follows is not known */
+    double speed, peak_force_N; /* NaN: beyond the bus's range, or untold */
+};
+
+/* The last message of a kind: the next one tells whether some are missing between. */
+struct decode_counter {
+    bool heard;
+    uint8_t counter;      /* its COUNTER */
+    uint64_t frame, tick; /* those of its SYNC */
+    double every; /* bus or plant frames from one to the next; 0: not known; -1: nor by the next one */
+};
+
+/* MOTION or CONTACT since the last SYNC. */
+struct decode_pair {
+    unsigned came;   /* with those that are missing between them */
+    unsigned closed; /* as the first one says */
 };
 
 struct decode {
-    struct log_reader reader;
+    struct plant_log log;
     struct wire_scene scene;
     double tick_s;
     struct decode_row row; /* being read */
     bool begun, ended;
-    double identity;      /* as INFO told it last; NaN: untold */
-    uint64_t lines, ours; /* read; of these, the scene's own */
+    struct decode_counter counter[WIRE_KINDS];
+    struct decode_pair pair[DECODE_PAIRS];
+    uint64_t missing; /* frames of the plant, so far */
     struct log_tally tally;
-    struct decode_event event;
+    struct decode_event event;                                  /* whose EVENT_TIME came last */
+    uint8_t event_counter;                                      /* its COUNTER, which EVENT_DATA has too */
+    bool event_waits;                                           /* for its EVENT_DATA */
     void (*heard)(void *context, const struct decode_event *e); /* NULL for none */
     void *context;
 };
 
-/* NULL, or the reason. `path` must stay valid. */
-const char *decode_open(struct decode *d, const char *path, const struct wire_scene *scene, double tick_s);
+/* NULL, or the reason; see plant_log_open. */
+const char *decode_open(struct decode *d, const char *path, const char *interface,
+                        const struct wire_scene *scene, double tick_s);
 
 /* A decoder without a log, for messages as they are heard. */
 void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_s);
@@ -53,8 +78,14 @@ void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_
 /* Takes a message. True, with the row, where one is complete: with the SYNC that begins the next one. */
 bool decode_take(struct decode *d, const struct message *m, struct decode_row *row);
 
-/* 1 and the next row, 0 at the end, -1 for a bad line: d->reader.reason says which. */
+/* 1 and the next row, 0 at the end, -1 for a file that cannot be read: d->log.reader.reason says why. */
 int decode_next(struct decode *d, struct decode_row *row);
+
+/* Lines on stderr for people: what was passed over, and how many frames are missing. */
+void decode_tell(const struct decode *d, const char *command);
+
+/* The second of them, for what was heard at `where`. */
+void decode_tell_missing(const struct decode *d, const char *command, const char *where);
 
 void decode_close(struct decode *d);
 

@@ -6,6 +6,12 @@
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
 
+const struct option decode_log_options[] = {
+    {"interface", "NAME", "of a log of several interfaces, the one that the plant is on", OPTION_TEXT,
+     .initial = NULL},
+    {.name = NULL},
+};
+
 int decode_signals(const struct model *m)
 {
     return DECODE_OUTPUTS + m->n_inputs;
@@ -47,7 +53,7 @@ void decode_put_header(FILE *f, const struct model *m)
 
 void decode_put_row(FILE *f, const struct model *m, const struct decode_row *r)
 {
-    const char *state = names_text(m, NAMES_STATE, (unsigned)r->state);
+    const char *state = r->state >= 0 ? names_text(m, NAMES_STATE, (unsigned)r->state) : NULL;
     fprintf(f, "%.9f,%llu,%llu,%s,", r->t_s, (unsigned long long)r->frame, (unsigned long long)r->tick,
             state ? state : "");
     if (r->contact_known)

@@ -3,19 +3,18 @@
 
 #include <string.h>
 
-void log_bus_start(struct log_bus *b, struct log_reader *reader, const struct wire_scene *scene,
-                   double frame_s)
+void log_bus_start(struct log_bus *b, struct plant_log *log, double frame_s)
 {
     memset(b, 0, sizeof *b);
-    b->reader = reader;
-    b->scene = scene;
+    b->log = log;
+    b->scene = &log->scene;
     b->frame_s = frame_s;
 }
 
 static int refuse(struct log_bus *b, const char *what)
 {
-    snprintf(b->reader->reason, sizeof b->reader->reason, "%.100s:%llu: %s", b->reader->path,
-             (unsigned long long)b->reader->line, what);
+    struct log_reader *r = &b->log->reader;
+    snprintf(r->reason, sizeof r->reason, "%.100s:%llu: %s", r->path, (unsigned long long)r->line, what);
     return -1;
 }
 
@@ -179,10 +178,12 @@ int log_bus_read(struct log_bus *b, struct log_line *out)
 {
     struct log_bus_line line;
     while (b->i_out == b->out.n) { /* bounded by the file */
-        int got = log_read_line(b->reader, &line.line);
-        line.number = b->reader->line;
+        struct message m;
+        int got = plant_log_next(b->log, &line.line, &m);
+        bool word = line.line.way == LOG_NO_ROOM || line.line.way == LOG_OVERRUN; /* not heard on a bus */
+        line.number = b->log->reader.line;
         line.held = 0;
-        if (got > 0)
+        if (got > 0 && !word)
             got = sort_line(b, &line);
         if (got <= 0)
             return got;

@@ -23,16 +23,12 @@
 #define HAL_LOG_BUS_H
 
 #include "firmware/bus/wire.h"
-#include "hal/posix/log.h"
+#include "host_sim/replay/plant_log.h"
 
 enum {
     LOG_BUS_LINES = 1024,  /* in one bus frame */
     LOG_BUS_DOUBTFUL = 128 /* remembered: a sample shows 64 frames after it came, beside 31 others */
 };
-
-/* Stamps from here on (September 2001) are wall-clock times; those of hal/log count from the plant's
- * start. */
-#define LOG_BUS_EPOCH_US 1000000000000000u
 
 struct log_bus_line {
     struct log_line line;
@@ -46,7 +42,7 @@ struct log_bus_list {
 };
 
 struct log_bus {
-    struct log_reader *reader; /* the caller's; its reason tells what was wrong */
+    struct plant_log *log; /* the caller's; its reader's reason tells what was wrong */
     const struct wire_scene *scene;
     double frame_s;
     struct log_bus_list out;   /* a complete frame, being given out */
@@ -61,12 +57,11 @@ struct log_bus {
     uint32_t n_deferred;
 };
 
-/* Begins at the reader's place. Reader and scene must stay where they are, and so must the caller's list. */
-void log_bus_start(struct log_bus *b, struct log_reader *reader, const struct wire_scene *scene,
-                   double frame_s);
+/* Begins at the log's place. The log must stay where it is, and so must the caller's list. */
+void log_bus_start(struct log_bus *b, struct plant_log *log, double frame_s);
 
-/* Like log_read_line, stamped with bus frames: 1, 0 at the end, -1 for a bad line or a log that does not
- * tell its frames: reader->reason says what and where. */
+/* Like plant_log_next, stamped with bus frames: 1, 0 at the end, -1 for a log that does not tell its frames:
+ * log->reader.reason says what and where. */
 int log_bus_read(struct log_bus *b, struct log_line *out);
 
 #endif

@@ -47,19 +47,22 @@ static void change(struct log_report *p, double t_s, unsigned closed, bool known
 void log_report_row(struct log_report *p, const struct decode_row *row)
 {
     bool first = !p->rows.n, other = row->contact_known && p->known && row->closed != p->closed;
+    bool silent = p->known && !row->contact_known && !row->due; /* nothing was to be said */
     if (first)
         p->first_s = row->t_s;
-    if (first || row->contact_known != p->known || (other && row->t_s > p->change[p->n_changes - 1].t_s)) {
+    if (first || (row->contact_known != p->known && !silent) ||
+        (other && row->t_s > p->change[p->n_changes - 1].t_s)) {
         p->seen += other;
         change(p, row->t_s, row->closed, row->contact_known);
     }
     log_series_add(&p->rows, row);
 }
 
-static void take_most(struct log_most *m, double value)
+static void take_most(struct log_most *m, double value, bool untold)
 {
     m->n++;
-    m->n_beyond += isnan(value);
+    m->n_untold += untold;
+    m->n_beyond += isnan(value) && !untold;
     m->most = fmax(m->most, fabs(value));
 }
 
@@ -71,10 +74,10 @@ void log_report_event(struct log_report *p, const struct decode_event *e)
     change(p, e->t_s, e->touch ? p->closed | 1u << e->contact : p->closed & ~(1u << e->contact), true);
     if (e->touch) {
         double speed = fabs(e->speed);
-        take_most(&p->impact, speed);
+        take_most(&p->impact, speed, e->untold);
         decimate_add(&p->impacts, e->t_s, &speed);
     } else {
-        take_most(&p->peak, e->peak_force_N);
+        take_most(&p->peak, e->peak_force_N, e->untold);
     }
 }
 
@@ -100,8 +103,10 @@ static void put_most(struct html *h, const struct log_most *m, const char *what,
     if (m->n_beyond)
         html_words(h, "%s at least %.4g %s: %lu of %lu %s were beyond the bus's range.", what,
                    fmax(range, m->most), unit, m->n_beyond, m->n, which);
-    else if (m->n)
-        html_words(h, "%s %.6g %s.", what, m->most, unit);
+    else if (m->n > m->n_untold)
+        html_words(h, "%s %s%.6g %s.", what, m->n_untold ? "at least " : "", m->most, unit);
+    if (m->n_untold)
+        html_words(h, "%lu of %lu %s are missing in the log.", m->n_untold, m->n, which);
 }
 
 /* Rows whose contact never changed, and no event: what is known of it. */
@@ -226,9 +231,11 @@ static void put_contact(struct log_report *p)
                   p->impacts.high[0]);
 }
 
-static void put_told(struct html *h, double value)
+static void put_told(struct html *h, double value, bool untold)
 {
-    if (isnan(value))
+    if (untold)
+        html_cell(h, "%s", "");
+    else if (isnan(value))
         html_cell(h, "beyond the range");
     else
         html_cell(h, "%.9g", value);
@@ -246,9 +253,9 @@ static void put_switches(struct log_report *p)
         html_cell(&p->html, "%.12g", p->told[i].t_s);
         html_cell(&p->html, p->told[i].touch ? "touchdown" : "liftoff");
         html_cell(&p->html, "%u", p->told[i].contact);
-        put_told(&p->html, p->told[i].speed);
+        put_told(&p->html, p->told[i].speed, p->told[i].untold);
         if (!p->told[i].touch)
-            put_told(&p->html, p->told[i].peak_force_N);
+            put_told(&p->html, p->told[i].peak_force_N, p->told[i].untold);
     }
 }
 
@@ -269,11 +276,11 @@ static void hear_row(void *context, const struct decode_event *e)
 }
 
 /* All rows and events of a log. NULL, or what went wrong. */
-static const char *read_log(struct log_report *p, struct decode *d, const char *log,
+static const char *read_log(struct log_report *p, struct decode *d, const char *log, const char *interface,
                             const struct scene_app *s)
 {
     struct decode_row row;
-    const char *why = decode_open(d, log, &s->app.scene, s->app.plant.tick_s);
+    const char *why = decode_open(d, log, interface, &s->app.scene, s->app.plant.tick_s);
     int got;
     if (why)
         return why;
@@ -282,11 +289,12 @@ static const char *read_log(struct log_report *p, struct decode *d, const char *
     while ((got = decode_next(d, &row)) > 0)
         log_report_row(p, &row);
     decode_close(d);
-    return got < 0 ? d->reader.reason : p->no_memory ? "out of memory" : NULL;
+    return got < 0 ? d->log.reader.reason : p->no_memory ? "out of memory" : NULL;
 }
 
-int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
-               const uint32_t *count, void (*more)(struct html *h, const void *context), const void *context)
+int log_report(const struct options *o, const char *log, const char *interface, const struct scene_app *s,
+               int argc, char **argv, const uint32_t *count,
+               void (*more)(struct html *h, const void *context), const void *context)
 {
     static struct log_report p;
     static struct decode d;
@@ -298,7 +306,7 @@ int log_report(const struct options *o, const char *log, const struct scene_app 
     if ((why = html_begin(&h, path, o->usage->name, name, argc, argv)))
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
     log_report_begin_in(&p, &h, s->config.model);
-    bad = read_log(&p, &d, log, s);
+    bad = read_log(&p, &d, log, interface, s);
     put_trouble(&p.html, &d.tally, count);
     log_report_charts(&p, s, &d.tally);
     log_report_end_in(&p, &h);

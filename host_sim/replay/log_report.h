@@ -20,6 +20,7 @@ struct log_switch {
 /* The greatest and how many of something that events tell with a number. */
 struct log_most {
     unsigned long n, n_beyond; /* events; those whose number was beyond the bus's range */
+    unsigned long n_untold;    /* those whose number is missing in the log */
     double most;               /* the greatest of the others */
 };
 
@@ -49,9 +50,11 @@ void log_report_event(struct log_report *p, const struct decode_event *e);
 /* The tally of the log tells what was not sent, and may be of a longer time than the rows. */
 void log_report_charts(struct log_report *p, const struct scene_app *s, const struct log_tally *tally);
 
-/* The whole of a log as --report, if that was given. `more` adds to it, or is NULL; with it stand the
- * counters count[DIAG_COUNTERS] of the run itself. 0, or the exit status after a line. */
-int log_report(const struct options *o, const char *log, const struct scene_app *s, int argc, char **argv,
-               const uint32_t *count, void (*more)(struct html *h, const void *context), const void *context);
+/* The whole of a log as --report, if that was given. `interface`: see plant_log_open. `more` adds to it, or
+ * is NULL; with it stand the counters count[DIAG_COUNTERS] of the run itself. 0, or the exit status after a
+ * line. */
+int log_report(const struct options *o, const char *log, const char *interface, const struct scene_app *s,
+               int argc, char **argv, const uint32_t *count,
+               void (*more)(struct html *h, const void *context), const void *context);
 
 #endif

@@ -125,6 +125,7 @@ bool monitor_rows_take(struct monitor_rows *k, const struct message *m)
 
 void monitor_rows_close(struct monitor_rows *k)
 {
+    decode_tell_missing(&k->rows, "monitor", "on the bus");
     send_packet(k);
     if (k->socket > 0) /* 0: it was never opened */
         close(k->socket);

@@ -3,6 +3,7 @@
 #include "host_sim/replay/replay_source.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/replay/decode_signals.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/cli/selftest.h"
@@ -35,7 +36,7 @@ static const struct usage replay_usage = {
                 "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
     .min_words = 1,
     .max_words = 2,
-    .table = {replay_options, scene_options},
+    .table = {replay_options, decode_log_options, scene_options},
 };
 
 enum {
@@ -111,7 +112,7 @@ static int report(const struct again *g, int got)
            (unsigned long long)g->frames, (unsigned long long)r->commands, (unsigned long long)r->compared,
            (unsigned long long)r->excluded_lines, (unsigned long long)r->passed_over,
            (unsigned long long)plant_hash(&g->scene.app.plant));
-    if (r->on_bus)
+    if (r->log.on_bus)
         printf("taken on the bus: %u commands reached it while the plant was in a frame already and count to "
                "the next\n",
                g->n_deferred);
@@ -127,14 +128,14 @@ static int attempt(struct again *g, int *got)
         return STATUS_MISUSED;
     if (!scene_start(&g->scene, &g->replay.hal, why))
         return options_misuse(g->o->usage, "%s", why);
-    const char *reason =
-        replay_open(&g->replay, g->o->word[0], &g->scene.app.scene, g->scene.config.frame_s, is_timing);
+    const char *reason = replay_open(&g->replay, g->o->word[0], options_text(g->o, "interface", 0),
+                                     &g->scene.app.scene, g->scene.config.frame_s, is_timing);
     if (reason)
         return options_failure(g->o->usage, "%s", reason);
     struct selftest_result r;
-    if (g->replay.marked && !selftest_of_host(&r))
+    if (g->replay.log.marked && !selftest_of_host(&r))
         return options_failure(g->o->usage, "out of memory");
-    if (g->replay.marked)
+    if (g->replay.log.marked)
         app_take_selftest(&g->scene.app, &r);
     replay_defer(&g->replay, g->deferred, g->n_deferred);
     g->difference = NULL;
@@ -181,8 +182,10 @@ static int replay(struct again *g)
     int got;
     clock_catch_signals();
     int status = attempt(g, &got);
-    while (!status && g->difference && g->replay.on_bus && resolve(g, &got))
+    while (!status && g->difference && g->replay.log.on_bus && resolve(g, &got))
         ;
+    if (!status && got >= 0 && g->replay.compared)
+        plant_log_tell(&g->replay.log, g->o->usage->name);
     return status ? status : report(g, got);
 }
 

@@ -53,7 +53,7 @@ static void differ(struct replay *r, const struct frame *sent, const struct repl
         describe(now, sent);
     uint64_t number = line ? line->number : r->number;
     snprintf(r->reason, sizeof r->reason, "%.200s:%llu: frame %llu: recorded %s, replay sent %s",
-             r->reader.path, (unsigned long long)number, (unsigned long long)r->frame, was, now);
+             r->log.reader.path, (unsigned long long)number, (unsigned long long)r->frame, was, now);
 }
 
 /* Whether the frame is the one that was refused: by number and bytes 2 to 7, or by number where it may
@@ -99,8 +99,8 @@ static void flush(void *context)
 
 static int bad(struct replay *r, const char *what)
 {
-    snprintf(r->reason, sizeof r->reason, "%.200s:%llu: %s", r->reader.path, (unsigned long long)r->number,
-             what);
+    snprintf(r->reason, sizeof r->reason, "%.200s:%llu: %s", r->log.reader.path,
+             (unsigned long long)r->number, what);
     return -1;
 }
 
@@ -109,14 +109,15 @@ static int read_ahead(struct replay *r)
 {
     if (r->has_next || r->ended)
         return r->has_next;
-    int got = r->on_bus ? log_bus_read(&r->bus, &r->next) : log_read_line(&r->reader, &r->next);
-    r->number = r->on_bus ? r->bus.number : r->reader.line;
-    r->passed_over += r->on_bus ? r->bus.passed_over : 0;
+    struct message m;
+    int got = r->log.on_bus ? log_bus_read(&r->bus, &r->next) : plant_log_next(&r->log, &r->next, &m);
+    r->number = r->log.on_bus ? r->bus.number : r->log.reader.line;
+    r->passed_over += r->log.on_bus ? r->bus.passed_over : 0;
     r->bus.passed_over = 0;
     r->has_next = got > 0;
     r->ended = got == 0;
     if (got < 0)
-        memcpy(r->reason, r->reader.reason, sizeof r->reader.reason);
+        snprintf(r->reason, sizeof r->reason, "%s", r->log.reader.reason);
     return got;
 }
 
@@ -135,7 +136,7 @@ static int append(struct replay *r, const struct replay_line *line, bool command
         return bad(r, "more than 262144 lines in one bus frame");
     (command ? r->command : r->telemetry)[(*n)++] = *line;
     r->commands += command;
-    if (!command && !r->marked)
+    if (!command && !r->log.marked)
         note_overrun(r, &line->frame);
     return 1;
 }
@@ -147,8 +148,8 @@ static int take_next(struct replay *r)
     uint32_t number = l->way == LOG_NO_ROOM ? l->frame.id : l->frame.id - r->scene.base_id;
     bool extended = (l->frame.flags & FRAME_EXTENDED) != 0;
     bool ours = l->way == LOG_NO_ROOM || (extended == r->scene.extended && number < WIRE_KINDS);
-    bool received = r->marked && l->way == LOG_RECEIVED;
-    bool sent = r->marked && (l->way == LOG_SENT || l->way == LOG_NO_ROOM);
+    bool received = r->log.marked && l->way == LOG_RECEIVED;
+    bool sent = r->log.marked && (l->way == LOG_SENT || l->way == LOG_NO_ROOM);
     struct replay_line line = {r->number, l->frame, l->fault, l->way == LOG_NO_ROOM};
     r->has_next = false;
     if (l->way == LOG_OVERRUN) {
@@ -158,7 +159,7 @@ static int take_next(struct replay *r)
     r->passed_over += !ours && !l->fault;
     if (!ours && !l->fault && !received)
         return 1;
-    if (!l->fault && !r->marked && number == WIRE_SELF_TEST) {
+    if (!l->fault && !r->log.marked && number == WIRE_SELF_TEST) {
         r->excluded_lines++;
         return 1;
     }
@@ -178,6 +179,8 @@ int replay_frame(struct replay *r, uint64_t frame)
             return -1;
         got = read_ahead(r);
     }
+    if (r->ended && r->log.reader.count[LOG_CUT])
+        return 0; /* the rest of this bus frame is cut off */
     if (got > 0 && r->next.time_us < stamp)
         return bad(
             r, "the time stamp goes back, or is no multiple of the frame period: not recorded by a plant");
@@ -191,7 +194,8 @@ const char *replay_check(struct replay *r)
     return r->differs ? r->reason : NULL;
 }
 
-const char *replay_open(struct replay *r, const char *path, const struct wire_scene *scene, double frame_s,
+const char *replay_open(struct replay *r, const char *path, const char *interface,
+                        const struct wire_scene *scene, double frame_s,
                         bool (*excluded)(const struct message *m))
 {
     memset(r, 0, sizeof *r);
@@ -199,19 +203,9 @@ const char *replay_open(struct replay *r, const char *path, const struct wire_sc
     r->scene = *scene;
     r->frame_s = frame_s;
     r->excluded = excluded;
-    const char *reason = log_reader_open(&r->reader, path);
-    if (!reason) {
-        while (log_read_line(&r->reader, &r->next) > 0 && r->next.fault)
-            ; /* a fault tells nothing of its log */
-        r->on_bus = r->next.time_us >= LOG_BUS_EPOCH_US;
-        r->marked = !r->on_bus && r->next.way != LOG_UNKNOWN;
-        log_reader_close(&r->reader);
-        reason = log_reader_open(&r->reader, path);
-    }
-    if (reason)
-        memcpy(r->reason, reason, sizeof r->reader.reason);
-    log_bus_start(&r->bus, &r->reader, &r->scene, frame_s);
-    return reason ? r->reason : NULL;
+    const char *reason = plant_log_open(&r->log, path, interface, scene);
+    log_bus_start(&r->bus, &r->log, frame_s);
+    return reason;
 }
 
 void replay_defer(struct replay *r, const uint64_t *number, uint32_t n)
@@ -222,5 +216,5 @@ void replay_defer(struct replay *r, const uint64_t *number, uint32_t n)
 
 void replay_close(struct replay *r)
 {
-    log_reader_close(&r->reader);
+    plant_log_close(&r->log);
 }

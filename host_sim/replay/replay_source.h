@@ -1,7 +1,7 @@
 /* replay_source.h - a recorded log as a hal: gives an app the commands of each bus frame and compares what it
  * sends.
  *
- *   replay_open(&r, path, &scene, frame_s, excluded);
+ *   replay_open(&r, path, interface, &scene, frame_s, excluded);
  *   app_init(&app, &config, &r.hal);
  *   while ((got = replay_frame(&r, app.frame)) > 0) {
  *       (void)!app_overrun(&app, r.missed);        the log says what was due
@@ -30,7 +30,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "firmware/bus/wire.h"
-#include "hal/posix/log.h"
 #include "host_sim/replay/log_bus.h"
 
 enum { REPLAY_LINES = 1 << 18 }; /* lines of one direction in one bus frame: more than a flood brings */
@@ -44,12 +43,10 @@ struct replay_line {
 
 struct replay {
     struct hal hal; /* give this to the app */
-    struct log_reader reader;
+    struct plant_log log;
     struct wire_scene scene;
     double frame_s;
-    bool on_bus; /* the log is candump's, read through `bus` */
-    bool marked; /* the log is hal/log's: its lines say what was received and sent */
-    struct log_bus bus;
+    struct log_bus bus;                        /* reads the log where that is candump's */
     bool (*excluded)(const struct message *m); /* or NULL */
     bool ended;                                /* no line after `next` */
     bool has_next;
@@ -66,8 +63,9 @@ struct replay {
     char reason[2 * LOG_REASON];
 };
 
-/* NULL, or the reason. *r must stay where it is, `path` valid. */
-const char *replay_open(struct replay *r, const char *path, const struct wire_scene *scene, double frame_s,
+/* NULL, or the reason; see plant_log_open. *r must stay where it is, `path` valid. */
+const char *replay_open(struct replay *r, const char *path, const char *interface,
+                        const struct wire_scene *scene, double frame_s,
                         bool (*excluded)(const struct message *m));
 
 /* After replay_open of a log taken on the bus: these lines go one frame later than they stand, see

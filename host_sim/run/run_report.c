@@ -55,5 +55,5 @@ int run_report(const struct options *o, const struct scene_app *s, int argc, cha
 {
     uint32_t count[DIAG_COUNTERS];
     account_counts(&s->app, count);
-    return log_report(o, options_text(o, "log", 0), s, argc, argv, count, put_counters, &s->app);
+    return log_report(o, options_text(o, "log", 0), NULL, s, argc, argv, count, put_counters, &s->app);
 }

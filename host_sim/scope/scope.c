@@ -133,6 +133,7 @@ static int record(struct scope *s)
         return options_misuse(&scope_usage, "--log records one plant of a CAN bus; candump records all");
     if (log && !bus_record(&s->bus[0], log, 0, why))
         return options_failure(&scope_usage, "%s", why);
+    s->bus[0].log.listens = true;
     return STATUS_DONE;
 }
 

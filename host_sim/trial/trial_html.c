@@ -133,7 +133,11 @@ static void put_charts(struct html *h, const struct report_case *r, const struct
         x.report.marker_s = when_s;
         x.from_s = when_s - width_s;
         x.to_s = when_s + width_s;
-        if (!decode_open(&d, w->log, &plant.scene.app.scene, plant.scene.app.plant.tick_s)) {
+        const char *refused =
+            decode_open(&d, w->log, NULL, &plant.scene.app.scene, plant.scene.app.plant.tick_s);
+        if (refused) {
+            html_words(&x.report.html, "No charts: %s.", refused);
+        } else {
             read_excerpt(&x, &d);
             decode_close(&d);
             html_words(&x.report.html, "%s, line %d, failed at %.9g s:", r->c->name,

@@ -161,7 +161,8 @@ void verdict_compare(const struct bench_setting *s, const struct scene_app *scen
         return;
     uint64_t frames = ticks_begun(c->over_s, a->frame_s);
     bench_scene_path(s->trial->file, c->golden, path);
-    struct compare k = {.path = {path, record},
+    struct compare k = {.command = "test",
+                        .path = {path, record},
                         .scene = scene,
                         .zero = zero,
                         .end = frames * a->substeps,

@@ -107,6 +107,7 @@ static bool open_bus(struct device *d)
         snprintf(d->r->log, sizeof d->r->log, "%s", d->s->log ? d->record : "");
         if (!bus_record(&d->bus, d->record, 0, why))
             return controller_fail(d->r, "--log: cannot write %.400s%s", d->record, "");
+        d->bus.log.listens = true;
     }
     snprintf(d->at.plant, sizeof d->at.plant, "%s", d->s->plant);
     snprintf(d->at.me, sizeof d->at.me, "%s", d->s->controller);

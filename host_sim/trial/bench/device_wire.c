@@ -105,6 +105,7 @@ static void take_event(void *context, const struct decode_event *d)
                       .contact = (uint8_t)d->contact,
                       .speed = d->speed,
                       .peak_force = d->peak_force_N};
+    w->not_sent += d->untold;
     p->regime = e.touch ? p->regime | 1u << e.contact : p->regime & ~(1u << e.contact);
     for (int k = 0; k < p->n; k++) {
         measurement_switch(&p->measurement[k], ticks * pl->tick_s, p->regime == 0);

@@ -106,7 +106,7 @@ static void replay_send(unsigned kind, double first, double second)
 TEST(replay_frames)
 {
     record_three_frames();
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, is_health));
     check_int("frame 0", replay_frame(&replay, 0), 1);
     check_int("its command", replay_recv(), 0x242);
     check_int("no other yet", replay_recv(), 0);
@@ -142,7 +142,7 @@ TEST(replay_frames)
 static void difference(const char *name, int n_sync, double tick, const char *part)
 {
     record_three_frames();
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, is_health));
     replay_frame(&replay, 0);
     for (int i = 0; i < n_sync; i++)
         replay_send(WIRE_SYNC, 1, tick);
@@ -156,7 +156,7 @@ static void difference(const char *name, int n_sync, double tick, const char *pa
 static void bad_log(const char *name, const char *text, const char *part)
 {
     make_file(text);
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
     int got = 1;
     for (uint64_t frame = 0; frame < 10 && got > 0; frame++)
         got = replay_frame(&replay, frame);
@@ -169,13 +169,12 @@ static void bad_log(const char *name, const char *text, const char *part)
 
 TEST(replay_differences)
 {
-    difference("a changed byte", 1, 65, ":2: frame 0: recorded 256#");
+    difference("a changed byte", 1, 65, ":3: frame 0: recorded 256#");
     difference("a missing frame", 0, 0, "replay sent nothing");
     difference("a frame too many", 2, 64, "recorded nothing, replay sent 256#");
     bad_log("a stamp between frames", "(1.001000) c 241#\n(1.001500) c 241#\n", ":2: the time stamp");
     bad_log("a stamp that goes back", "(1.002000) c 241#\n(1.001000) c 241#\n", ":2: the time stamp");
-    bad_log("a cut-off line", "(1.002000) c 241#\n(1.00", ":2:6: cut off");
-    check_error("no such log", replay_open(&replay, "/nosuchdir/x", &scene, 1e-3, NULL));
+    check_error("no such log", replay_open(&replay, "/nosuchdir/x", NULL, &scene, 1e-3, NULL));
 }
 
 /* A frame 0 whose second send, a SYNC, was refused. Replays it with this second send, a SYNC whose number is
@@ -192,7 +191,7 @@ static const char *replay_refused(unsigned beside, double tick)
     wires.port[0].tx_limit = 1;
     check_int("the second has no room", record.hal.send(record.hal.context, &sync), 0);
     check_no_error("recording closes", log_close(&record));
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, is_health));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, is_health));
     check_int("frame 0", replay_frame(&replay, 0), 1);
     replay_send(WIRE_SYNC, 1, 64);
     check_int("the replay refuses it, too", replay.hal.send(replay.hal.context, &f), 0);
@@ -214,7 +213,7 @@ TEST(replay_refused)
 TEST(replay_others)
 {
     make_file("(1.000000) c 300#00\n(1.000000) c 242#00\n");
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
     check_int("frame 0", replay_frame(&replay, 0), 1);
     check_int("its command", replay_recv(), 0x242);
     check_int("and nothing else", replay_recv(), 0);
@@ -314,7 +313,7 @@ static const char *replay_all(void)
     c.stage_calls = &stages_for_plants;
     c.stages = &replayed_stages;
     if (app_init(&replayed, &c, &replay.hal) ||
-        replay_open(&replay, path, &replayed.scene, c.frame_s, is_timing))
+        replay_open(&replay, path, NULL, &replayed.scene, c.frame_s, is_timing))
         return "cannot begin";
     replay_defer(&replay, deferred, 1);
     while (!difference && (got = replay_frame(&replay, replayed.frame)) > 0) {
@@ -527,7 +526,7 @@ static uint64_t take_on_bus(const char *id)
     log_reader_close(&reader);
     FILE *f = fopen(path, "w");
     for (int i = 0; i < n; i++) {
-        put_line(text, LOG_BUS_EPOCH_US + (uint64_t)i * 7, "vcan0", &line[i].frame, line[i].fault);
+        put_line(text, PLANT_LOG_EPOCH_US + (uint64_t)i * 7, "vcan0", &line[i].frame, line[i].fault);
         if (id && !moved && strstr(text, id)) {
             struct log_line command = line[i];
             memmove(&line[at + 1], &line[at], (size_t)(i - at) * sizeof line[0]);
@@ -537,7 +536,7 @@ static uint64_t take_on_bus(const char *id)
         at = strstr(text, " 216#") && !moved ? i : at;
     }
     for (int i = 0; i < n; i++) {
-        put_line(text, LOG_BUS_EPOCH_US + (uint64_t)i * 7, "vcan0", &line[i].frame, line[i].fault);
+        put_line(text, PLANT_LOG_EPOCH_US + (uint64_t)i * 7, "vcan0", &line[i].frame, line[i].fault);
         fputs(text, f);
     }
     fclose(f);
@@ -577,7 +576,7 @@ TEST(replay_on_bus)
 static void sync_line(char *text, uint32_t frame)
 {
     struct frame f = message(WIRE_SYNC, frame, 64.0 * frame);
-    put_line(text, LOG_BUS_EPOCH_US + frame, "vcan0", &f, 0);
+    put_line(text, PLANT_LOG_EPOCH_US + frame, "vcan0", &f, 0);
 }
 
 /* A heartbeat has no answer behind it and may be the last command for long: it must not wait for one. */
@@ -587,13 +586,13 @@ TEST(replay_on_bus_unanswered)
     struct frame f = message(WIRE_ENABLE, 1, 0);
     for (uint32_t i = 0; i < 6; i++) {
         if (i == 1)
-            put_line(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &f, 0);
+            put_line(text + strlen(text), PLANT_LOG_EPOCH_US, "vcan0", &f, 0);
         sync_line(text + strlen(text), i);
     }
     make_file(text);
     for (uint64_t late = 0; late < 3; late++) {
         const uint64_t lines[2] = {2, 2};
-        check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+        check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
         replay_defer(&replay, lines, (uint32_t)late);
         uint64_t frame = 0;
         while (replay_frame(&replay, frame) > 0 && !replay.n_commands)
@@ -615,15 +614,15 @@ TEST(replay_on_bus_answered)
     m = (struct message){.kind = WIRE_CONTROL, .counter = 6};
     wire_encode(&scene, &m, &second);
     sync_line(text, 0);
-    put_line(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &first, 0);
-    put_line(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &second, 0);
-    put_line(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &reply, 0);
+    put_line(text + strlen(text), PLANT_LOG_EPOCH_US, "vcan0", &first, 0);
+    put_line(text + strlen(text), PLANT_LOG_EPOCH_US, "vcan0", &second, 0);
+    put_line(text + strlen(text), PLANT_LOG_EPOCH_US, "vcan0", &reply, 0);
     for (uint32_t i = 1; i < 6; i++)
         sync_line(text + strlen(text), i);
     make_file(text);
     const uint64_t lines[4] = {2, 3, 3, 2};
     const uint32_t commands[6] = {0, 1, 0, 1, 0, 0};
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
     replay_defer(&replay, lines, 4);
     for (uint64_t frame = 0; replay_frame(&replay, frame) > 0; frame++) {
         check_int("commands of a frame", replay.n_commands, commands[frame]);
@@ -647,11 +646,11 @@ TEST(replay_on_bus_doubt)
         sync_line(end, i);
         end += strlen(end);
         if (i < WAITING)
-            end += put_line(end, LOG_BUS_EPOCH_US, "vcan0", &sample, 0);
-        end += put_line(end, LOG_BUS_EPOCH_US, "vcan0", &beat, 0);
+            end += put_line(end, PLANT_LOG_EPOCH_US, "vcan0", &sample, 0);
+        end += put_line(end, PLANT_LOG_EPOCH_US, "vcan0", &beat, 0);
     }
     make_file(text);
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
     for (uint64_t frame = 0; replay_frame(&replay, frame) > 0;)
         frame++;
     bool named = false;
@@ -666,7 +665,7 @@ TEST(replay_on_bus_doubt)
 static void refused_log(const char *name, const char *text, const char *part)
 {
     make_file(text);
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
     int got = replay_frame(&replay, 0);
     for (uint64_t i = 1; got > 0; i++)
         got = replay_frame(&replay, i);
@@ -690,7 +689,7 @@ TEST(replay_on_bus_refused)
     const struct frame command = message(WIRE_ENABLE, 1, 0);
     sync_line(many, 0);
     for (int i = 0, n = (int)strlen(many); i <= LOG_BUS_LINES; i++)
-        n += put_line(many + n, LOG_BUS_EPOCH_US, "vcan0", &command, 0);
+        n += put_line(many + n, PLANT_LOG_EPOCH_US, "vcan0", &command, 0);
     refused_log("a SYNC that never comes", many, ":1026: more than 1024 lines without a SYNC");
 }
 
@@ -702,13 +701,13 @@ TEST(replay_on_bus_others)
     static const char other[] = "(1700000000.000000) vcan0 700#00\n(1700000000.000000) vcan0 00000214#00\n";
     struct frame motion = message(WIRE_MOTION, 1, 0);
     strcat(text, other);
-    put_line(text + strlen(text), LOG_BUS_EPOCH_US, "vcan0", &motion, 0);
+    put_line(text + strlen(text), PLANT_LOG_EPOCH_US, "vcan0", &motion, 0);
     for (uint32_t i = 0; i < 3; i++) {
         sync_line(text + strlen(text), i);
         strcat(text, other);
     }
     make_file(text);
-    check_no_error("replay opens", replay_open(&replay, path, &scene, 1e-3, NULL));
+    check_no_error("replay opens", replay_open(&replay, path, NULL, &scene, 1e-3, NULL));
     uint32_t telemetry = 0;
     for (uint64_t i = 0; replay_frame(&replay, i) > 0; i++)
         telemetry += replay.n_telemetry;

@@ -28,7 +28,9 @@ static bool open_scene(void)
 /* Takes the message; true with the row that it ends. */
 static bool hear(unsigned kind, double a, double b, double c, struct decode_row *row)
 {
-    struct message m = {.kind = (uint8_t)kind, .value = {a, b, c}};
+    static uint8_t counter[WIRE_KINDS];
+    struct message m = {.kind = (uint8_t)kind, .counter = counter[kind], .value = {a, b, c}};
+    counter[kind] = (uint8_t)((counter[kind] + 1) % WIRE_COUNTER_STATES);
     return decode_take(&decoder, &m, row);
 }
 
