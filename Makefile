@@ -213,7 +213,7 @@ charts: ## the charts of docs/why and docs/guide/maps.md, those of cost from the
 charts-sweeps: $(BUILD)/contactplant
 	@mkdir -p $(WHERE)/docs/img
 	@rm -f $(WHERE)/docs/img/sweep_rig.csv
-	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:$(if $(SHORT),4,120)" --out $(WHERE)/docs/img/sweep_rig.csv --svg $(WHERE)/docs/img/sweep_rig.svg
+	@$(BUILD)/contactplant sweep rig --sweep "force.frequency=75 Hz:300 Hz:$(if $(SHORT),4,120)" --out $(WHERE)/docs/img/sweep_rig.csv --svg $(WHERE)/docs/img/sweep_rig.svg >/dev/null
 
 # Long: a minute of two cores.
 MAPS = $(WHERE)/build/maps
@@ -223,12 +223,14 @@ maps: all ## the maps of docs/guide/maps.md (a minute)
 	@$(BUILD)/contactplant basin shaft-fig16-705 --starts $(if $(SHORT),20,10000) --out $(MAPS)/basin_705.csv --svg $(WHERE)/docs/img/basin_705.svg \
 	    >$(WHERE)/docs/img/basin_705.txt
 	@rm -f $(MAPS)/tongues.csv $(MAPS)/steps.csv $(MAPS)/random.csv
-	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" $(if $(SHORT),--x stiffness.frequency=100:400:4 --y stiffness.amplitude=1e9:4e9:4) --out $(MAPS)/tongues.csv --svg $(WHERE)/docs/img/stability_tongues.svg
+	@$(BUILD)/contactplant stability hertz_rig --method rk4 --step "0.7 ms" $(if $(SHORT),--x stiffness.frequency=100:400:4 --y stiffness.amplitude=1e9:4e9:4) --out $(MAPS)/tongues.csv --svg $(WHERE)/docs/img/stability_tongues.svg \
+	    >$(MAPS)/tongues.txt
 	@$(BUILD)/contactplant stability rig --map contact --method rk4 --set "force.amplitude=50 N" --set "force.frequency=180 Hz" \
 	    --x "step=0.03 ms:2 ms:$(if $(SHORT),4,80):log" --y "stiffness=1 GN/m^1.5:10 GN/m^1.5:$(if $(SHORT),4,60):log" \
-	    --out $(MAPS)/steps.csv --svg $(WHERE)/docs/img/stability_steps.svg
+	    --out $(MAPS)/steps.csv --svg $(WHERE)/docs/img/stability_steps.svg >$(MAPS)/steps.txt
 	@$(BUILD)/contactplant random nayak-random --observable displacement --range=-1:3 --bins 80 --seeds $(if $(SHORT),4,400) \
-	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/img/random_nayak.svg >$(WHERE)/docs/img/random_nayak.csv
+	    --over $(if $(SHORT),100,2000) --out $(MAPS)/random.csv --svg $(WHERE)/docs/img/random_nayak.svg \
+	    --statistics $(WHERE)/docs/img/random_nayak.csv >$(MAPS)/random.txt
 
 test-boards: all $(BUILD)/test_board $(BUILD)/can_session $(BUILD)/test_board_can ## the images in QEMU: bits, faults, and a session over Ethernet (qemu-system-arm)
 	@tests/boards/boards.sh

@@ -59,6 +59,10 @@ void chart_range_add(double *min, double *max, const double *y, size_t n);
  * nothing finite: 0..1. */
 void chart_range_finish(double *min, double *max);
 
+/* Writes the name with its unit in brackets, with the prefix that suits `largest` where a unit takes one: µm,
+ * kN. Returns the factor from SI to that unit. */
+double chart_label(char *label, size_t size, const char *name, const char *unit, double largest);
+
 void chart_begin(struct chart *c, const char *title, const char *subtitle);
 
 /* The x axis of the panels that follow; min < max. */

@@ -37,8 +37,13 @@ const char *demo_write_html(const struct demo *d, const char *path, int argc, ch
     const char *why = html_begin(&h, path, "demo", NULL, argc, argv);
     if (why)
         return why;
-    demo_sum_up(d, text, sizeof text);
-    html_words(&h, "%s", text);
+    if (d->end == DEMO_DONE) {
+        demo_sum_up(d, text, sizeof text);
+        html_words(&h, "%s", text);
+    } else {
+        html_words(&h, "The demonstration did not come to its end: %s.",
+                   *d->why ? d->why : "it was interrupted");
+    }
     html_words(&h, "A band has the least and the greatest value of the %d frames before each row.",
                DEMO_RECENT);
     for (size_t i = 0; i < sizeof charts / sizeof *charts && r->n_rows > 0; i++) {

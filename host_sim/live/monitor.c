@@ -6,6 +6,7 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/replay/monitor_rows.h"
 #include "host_sim/live/station.h"
+#include "host_sim/out/cell.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -62,7 +63,7 @@ static const char *item_of(const struct model *m, const struct message_layout *l
     return name ? name : "";
 }
 
-/* A value by its name where it has one, else as a number; NaN is what the plant could not say. */
+/* A value by its name where it has one, else as a number; nothing where the plant could not say it. */
 static void print_value(const struct model *m, const struct field *f, double value)
 {
     const char *name =
@@ -70,7 +71,7 @@ static void print_value(const struct model *m, const struct field *f, double val
     if (name)
         printf("%s", name);
     else
-        printf("%.9g", value);
+        cell_put(stdout, value, 9);
 }
 
 static void print_line(const struct monitor *k, const struct message *m, const struct message_layout *l)
@@ -82,7 +83,10 @@ static void print_line(const struct monitor *k, const struct message *m, const s
         const char *unit = names_unit(model, m, i);
         printf(" %s=", l->field[i].name);
         print_value(model, &l->field[i], m->value[i]);
-        printf("%s%s", *unit ? " " : "", unit);
+        if (isfinite(m->value[i]))
+            printf("%s%s", *unit ? " " : "", unit);
+        else
+            printf("(not available)");
     }
     printf("\n");
 }

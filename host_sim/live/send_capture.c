@@ -3,6 +3,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/live/send.h"
+#include "host_sim/out/cell.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,7 +33,7 @@ static void print_burst(const struct sender *s)
     for (uint32_t i = 0; i < s->count; i++) {
         printf("\n%u", (unsigned)(s->first + i));
         for (int k = 0; k < m->n_outputs; k++)
-            printf(",%.9g", (double)s->burst[i * (uint32_t)m->n_outputs + (uint32_t)k]);
+            putchar(','), cell_put(stdout, (double)s->burst[i * (uint32_t)m->n_outputs + (uint32_t)k], 9);
     }
     printf("\n");
 }
@@ -100,7 +101,8 @@ static int read_burst(struct sender *s, int n, const char *const *word)
     free(s->burst);
     s->burst = NULL;
     return complete ? STATUS_DONE
-                    : options_failure(s->o->usage, "some values did not arrive (nan); read again");
+                    : options_failure(s->o->usage,
+                                      "some values did not arrive: their cells are empty; read again");
 }
 
 int send_run_capture(struct sender *s, int n, const char *const *word)

@@ -232,6 +232,14 @@ static int take_file(struct book *b)
                            b->path);
 }
 
+/* Writes into the file, or to standard output and its copy. */
+static void put_text(const struct book *b, const char *text)
+{
+    fputs(text, b->out);
+    if (!b->path && b->j->copy)
+        fputs(text, b->j->copy);
+}
+
 static int open_file(struct book *b)
 {
     char header[JOBS_LINE];
@@ -248,20 +256,21 @@ static int open_file(struct book *b)
     status = status == STATUS_DONE && b->path ? read_file(b) : status;
     jobs_header(b->j->columns, header);
     if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0))
-        fputs(header, b->out);
+        put_text(b, header);
     return status;
 }
 
 /* Writes rows of job b->next, each with run and job in front and check behind. */
 static void write_rows(struct book *b, const char *text)
 {
-    char front[32];
+    char front[32], line[JOBS_LINE];
     int length = snprintf(front, sizeof front, "%08x,%d,", (unsigned)b->run, b->next);
     while (*text) {
         size_t n = strcspn(text, "\n");
         go_on(&b->chain, b->next, front, (size_t)length);
         unsigned check = go_on(&b->chain, b->next, text, n);
-        fprintf(b->out, "%s%.*s,%08x\n", front, (int)n, text, check);
+        snprintf(line, sizeof line, "%s%.*s,%08x\n", front, (int)n, text, check);
+        put_text(b, line);
         text += n + (text[n] == '\n');
     }
 }

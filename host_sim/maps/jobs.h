@@ -33,6 +33,7 @@ struct jobs {
     const struct options *options; /* the command's: --out, --shard, --cores */
     const char *identity;          /* all that decides the rows, as text; `run` is its hash */
     const char *columns;           /* the caller's own ones, as in the header */
+    FILE *copy;                    /* NULL, or takes all that goes to standard output, too */
     int n;                         /* jobs, 1 to JOBS_MAX */
     /* Writes the lines of job i, at least one, each with its newline. False: it wrote the reason instead,
      * without newline. */

@@ -103,7 +103,7 @@ int maps_read_time(const struct maps *m, const char *name, double *value)
 
 int maps_check_files(const struct maps *m, const char *rows)
 {
-    static const char *const file[] = {"out", "svg", "report", NULL};
+    static const char *const file[] = {"out", "svg", "report", "statistics", NULL};
     const struct usage *u = m->o.usage;
     const char *svg = options_text(&m->o, "svg", 0);
     if (svg && !rows)
@@ -127,7 +127,7 @@ int maps_close_identity(const struct maps *m, FILE *f)
     return !f || fclose(f) ? options_failure(m->o.usage, "out of memory") : 0;
 }
 
-int maps_compute(const struct maps *m, struct jobs *j)
+int maps_compute(struct maps *m, struct jobs *j)
 {
     struct maps_point q;
     maps_resolve(&m->scene, &q);
@@ -136,7 +136,50 @@ int maps_compute(const struct maps *m, struct jobs *j)
     j->options = &m->o;
     j->identity = m->identity;
     j->columns = m->rows.header;
+    j->copy = m->copy = options_given(&m->o, "out") ? NULL : tmpfile();
     return jobs_run(j);
+}
+
+bool maps_is_whole(const struct maps *m)
+{
+    bool share = strcmp(options_text(&m->o, "shard", 0), "1/1") != 0;
+    return !share && (options_given(&m->o, "out") || (m->copy && !options_reader_left()));
+}
+
+int maps_load_rows(const struct maps *m, struct rows_table *t)
+{
+    if (options_given(&m->o, "out"))
+        return rows_load(&m->o, &m->rows, options_text(&m->o, "out", 0), t);
+    rewind(m->copy);
+    return rows_load_from(&m->o, &m->rows, "standard output", m->copy, t);
+}
+
+int maps_tell(const struct maps *m, void (*tell)(const void *context, const struct rows_table *t, FILE *f),
+              const void *context)
+{
+    struct rows_table t;
+    if (!maps_is_whole(m))
+        return 0;
+    int status = maps_load_rows(m, &t);
+    if (!status)
+        tell(context, &t, maps_summary(m));
+    rows_free(&t);
+    return status;
+}
+
+const char *maps_in_words(double value, const char *unit, char *text)
+{
+    char rounded[UNIT_TEXT];
+    snprintf(rounded, sizeof rounded, "%.6g", value);
+    snprintf(text, UNIT_TEXT, "something not finite");
+    if (isfinite(value))
+        unit_write(strtod(rounded, NULL), unit, text);
+    return text;
+}
+
+FILE *maps_summary(const struct maps *m)
+{
+    return options_given(&m->o, "out") ? stdout : stderr;
 }
 
 int maps_finish_chart(const struct maps *m, struct chart *c)

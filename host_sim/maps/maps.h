@@ -17,6 +17,7 @@ struct maps {
     const struct method *method;
     double tol; /* the method's tolerance */
     struct rows rows;
+    FILE *copy;     /* rows that go to standard output are here, too; or NULL */
     char *identity; /* all that decides the rows, as text; the command frees it */
     size_t identity_size;
 };
@@ -55,7 +56,8 @@ double maps_damping(const struct model *m, const double *p);
  * stays. */
 int maps_read_time(const struct maps *m, const char *name, double *value);
 
-/* Checks that the scene and the files of --out, --rows, --svg and --report are files of their own. rows:
+/* Checks that the scene and the files of --out, --rows, --svg, --report and --statistics are files of their
+ * own. rows:
  * --out or
  * --rows, or NULL. */
 int maps_check_files(const struct maps *m, const char *rows);
@@ -67,7 +69,23 @@ int maps_close_identity(const struct maps *m, FILE *f);
 
 /* Says on stderr where the scene leaves a source paper's range; then computes all jobs: the command's
  * rows. */
-int maps_compute(const struct maps *m, struct jobs *j);
+int maps_compute(struct maps *m, struct jobs *j);
+
+/* All rows are there: of a run that is no share, and in a file or read to their end. */
+bool maps_is_whole(const struct maps *m);
+
+/* The rows of maps_compute, of a whole run. 0, or the exit status after a line; rows_free in both cases. */
+int maps_load_rows(const struct maps *m, struct rows_table *t);
+
+/* Six digits of a number with its unit: "212.34 Hz". Returns text[UNIT_TEXT]. */
+const char *maps_in_words(double value, const char *unit, char *text);
+
+/* Calls tell with the rows of a whole run and the stream of its summary; does nothing for a share. */
+int maps_tell(const struct maps *m, void (*tell)(const void *context, const struct rows_table *t, FILE *f),
+              const void *context);
+
+/* The summary goes to the terminal: standard output, or standard error where that has the rows. */
+FILE *maps_summary(const struct maps *m);
 
 /* Writes the picture to --svg. */
 int maps_finish_chart(const struct maps *m, struct chart *c);

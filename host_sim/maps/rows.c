@@ -4,9 +4,11 @@
 #include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/unit.h"
+#include "host_sim/out/cell.h"
 #include "host_sim/scene/scene_range.h"
 
 void rows_begin(struct rows *t, size_t size)
@@ -47,9 +49,10 @@ const struct rows_column *rows_find(const struct rows *t, size_t offset)
 
 static void write_number(double value, int digits, FILE *f)
 {
-    char text[UNIT_TEXT];
-    snprintf(text, sizeof text, "%.*g", digits, value);
-    if (!digits)
+    char text[UNIT_TEXT] = "";
+    if (digits)
+        cell_put(f, value, digits);
+    else if (isfinite(value))
         unit_write(value, "", text);
     fputs(text, f);
 }
@@ -88,13 +91,20 @@ void rows_write(const struct rows *t, const void *row, bool result, FILE *f)
             fputc(',', f);
         if (result || i < t->n_given)
             write_cell(&t->column[i], (const char *)row + t->column[i].offset, f);
-        else
-            fputs("nan", f);
     }
     fputc('\n', f);
 }
 
 /* ---- reading: each function returns where the value ends, or `text` where there is no value ---- */
+
+/* An empty cell; `nan` in rows of versions before. */
+static const char *read_nothing(const struct rows_column *c, const char *text, char *at)
+{
+    const double nothing = (double)NAN;
+    if (c->type == ROWS_NUMBER)
+        memcpy(at, &nothing, sizeof nothing);
+    return !strncmp(text, "nan", 3) ? text + 3 : text;
+}
 
 static const char *read_number(const struct rows_column *c, const char *text, char *at)
 {
@@ -127,8 +137,6 @@ static const char *read_word(const struct rows_column *c, const char *text, char
 static const char *read_turns(const struct rows_column *c, const char *text, char *at)
 {
     const char *next = text;
-    if (!strncmp(text, "nan", 3))
-        return text + 3;
     for (int i = 0; i < c->count; i++) {
         char *end;
         uint64_t turns = strtoull(next, &end, 16);
@@ -153,8 +161,14 @@ bool rows_read(const struct rows *t, const char *line, void *row)
 {
     memset(row, 0, t->size);
     for (int i = 0; i < t->n; i++) {
-        const char *end = read_cell(&t->column[i], line, (char *)row + t->column[i].offset);
-        if (end == line || isspace((unsigned char)*line) || *end != (i + 1 < t->n ? ',' : '\n'))
+        const struct rows_column *c = &t->column[i];
+        bool nothing = (c->type == ROWS_NUMBER || c->type == ROWS_TURNS) &&
+                       (*line == ',' || *line == '\n' || !strncmp(line, "nan", 3));
+        char *at = (char *)row + c->offset;
+        const char *end = nothing ? read_nothing(c, line, at) : read_cell(c, line, at);
+        if (!nothing && (end == line || isspace((unsigned char)*line)))
+            return false;
+        if (*end != (i + 1 < t->n ? ',' : '\n'))
             return false;
         line = end + 1;
     }
@@ -206,25 +220,33 @@ static const char *take_line(struct load *l, char *line)
     return NULL;
 }
 
-int rows_load(const struct options *o, const struct rows *t, const char *path, struct rows_table *table)
+int rows_load_from(const struct options *o, const struct rows *t, const char *path, FILE *f,
+                   struct rows_table *table)
 {
     char line[JOBS_LINE], header[JOBS_LINE];
     struct load l = {.t = t, .table = table, .chain = JOBS_CHAIN};
     const char *wrong = NULL;
     int number = 1;
-    FILE *f = fopen(path, "r");
     *table = (struct rows_table){.size = t->size};
-    if (!f)
-        return options_misuse(o->usage, "%s: %s; give the rows of a map", path, strerror(errno));
     jobs_header(t->header, header);
     if (!fgets(line, sizeof line, f) || strcmp(line, header))
         wrong = "not the header of this map; give its whole file, and the scene it is of";
     for (; !wrong && fgets(line, sizeof line, f); number++)
         wrong = take_line(&l, line);
-    fclose(f);
     if (!wrong && table->n == 0)
         wrong = "no rows";
     return wrong ? options_misuse(o->usage, "%s:%d: %s", path, number, wrong) : 0;
+}
+
+int rows_load(const struct options *o, const struct rows *t, const char *path, struct rows_table *table)
+{
+    FILE *f = fopen(path, "r");
+    *table = (struct rows_table){.size = t->size};
+    if (!f)
+        return options_misuse(o->usage, "%s: %s; give the rows of a map", path, strerror(errno));
+    int status = rows_load_from(o, t, path, f, table);
+    (void)fclose(f);
+    return status;
 }
 
 void rows_free(struct rows_table *table)

@@ -42,7 +42,7 @@ struct rows_column {
 struct rows {
     size_t size; /* bytes of the command's row */
     int n;
-    int n_given; /* columns that a row without a result has, too; the others are nan there. 0: all */
+    int n_given; /* columns that a row without a result has, too; the others are empty there. 0: all */
     struct rows_column column[ROWS_COLUMNS];
     char name[ROWS_COLUMNS][ROWS_NAME]; /* with unit */
     char header[JOBS_LINE - 32];        /* the names, with commas; jobs_header adds some bytes */
@@ -57,7 +57,8 @@ void rows_add_item(struct rows *t, const struct rows_column *c, int i, const cha
 /* The column of the value at this offset; the value must have one. */
 const struct rows_column *rows_find(const struct rows *t, size_t offset);
 
-/* One line. result: false writes nan behind the n_given first columns. */
+/* One line. A number that is not finite is an empty cell; so, without a result, is each one behind the
+ * n_given first columns. */
 void rows_write(const struct rows *t, const void *row, bool result, FILE *f);
 
 /* Reads back a row of rows_write from a line without run, job and check. False when the line does not have
@@ -80,6 +81,8 @@ static inline const void *rows_row(const struct rows_table *table, int i)
 /* Every row of a file of this map, each as it was written. 0, or the exit status after a line; rows_free
  * in both cases. */
 int rows_load(const struct options *o, const struct rows *t, const char *path, struct rows_table *table);
+int rows_load_from(const struct options *o, const struct rows *t, const char *path, FILE *f,
+                   struct rows_table *table);
 void rows_free(struct rows_table *table);
 
 #endif

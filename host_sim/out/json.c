@@ -66,7 +66,8 @@ static void add_number(struct json *j, double value, int digits)
 {
     char text[NUMBER_SIZE];
     if (isfinite(value))
-        add_bytes(j, text, (size_t)snprintf(text, sizeof text, "%.*g", digits, value));
+        add_bytes(j, text,
+                  (size_t)snprintf(text, sizeof text, "%.*g", digits, value + 0.0)); /* there is no -0 */
     else
         add_bytes(j, "null", 4);
 }

@@ -44,6 +44,12 @@ static const char *input_of(const struct scene *s, const struct scene_range *r)
     return r->input < 0 ? "" : s->model->input_signal[r->input].name;
 }
 
+void scene_range_label(const struct scene_range *r, char *text, size_t size)
+{
+    bool bare = !*r->unit || !strcmp(r->unit, "1");
+    snprintf(text, size, bare ? "%s%s" : "%s%s (%s)", r->logarithmic ? "log10 of " : "", r->words, r->unit);
+}
+
 bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
 {
     char full[SCENE_RANGE_NAME];
@@ -52,6 +58,10 @@ bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
     bool own = r->input >= 0;
     snprintf(full, sizeof full, "%s%s%s", input_of(s, r), own ? "." : "", own ? r->key.name : r->key.full);
     scene_range_spell(r->column, sizeof r->column, full, own ? r->key.unit : "");
+    snprintf(r->words, sizeof r->words, "%s%s%s", r->key.name, own ? " of " : "", input_of(s, r));
+    for (char *c = strchr(r->words, '_'); c; c = strchr(c, '_'))
+        *c = ' ';
+    r->unit = r->key.unit;
     return true;
 }
 

@@ -18,6 +18,8 @@ enum { SCENE_RANGE_POINTS = 1000000, SCENE_RANGE_NAME = 96 };
 struct scene_range {
     struct scene_key key;
     char column[SCENE_RANGE_NAME]; /* as in the CSV, with its unit */
+    char words[SCENE_RANGE_NAME];  /* for people: "frequency of force" */
+    const char *unit;              /* "" or "1" for none */
     int input;                     /* input of a drive's key, or -1 */
     double from, to;
     int n; /* values; 0: there is no such range */
@@ -49,6 +51,9 @@ bool scene_range_nth(const struct scene *s, int i, struct scene_range *r);
 /* Value i of a range, and what a value makes of the scene. */
 double scene_range_value(const struct scene_range *r, int i);
 void scene_range_set(struct scene *s, const struct scene_range *r, double value);
+
+/* For an axis: its words with the unit in brackets, "log10 of" before them where the range is logarithmic. */
+void scene_range_label(const struct scene_range *r, char *text, size_t size);
 
 /* Its part of a run's identity; nothing where there is no range. */
 void scene_range_print(FILE *f, const struct scene_range *r);

@@ -62,7 +62,8 @@ struct approach {
     uint64_t ticks;
     double top, low;
     double *row[COLUMNS];  /* [2 n] */
-    double touch, release; /* base at the first touch and the last lift-off; NaN for none */
+    double touch, release; /* base at the first touch on the way down, at the last lift-off; NaN for none */
+    bool released_back;    /* the last lift-off was on the way back */
 };
 
 static int read_scene(struct approach *a)
@@ -127,8 +128,10 @@ static void take_events(struct approach *a, double base, bool back)
     while (plant_take_event(&a->plant, &e)) {
         if (e.touch && !back && isnan(a->touch))
             a->touch = base;
-        if (!e.touch && back)
-            a->release = base;
+        if (e.touch)
+            continue;
+        a->release = base;
+        a->released_back = back;
     }
 }
 
@@ -259,26 +262,44 @@ static int draw(struct approach *a)
                : 0;
 }
 
+/* Where contact begins or ends, or why it does not, beside the closed form of a still lever (0: there is
+ * none). */
+static void tell_place(FILE *f, const char *what, const char *never, double base_m, double slowly_m)
+{
+    if (never)
+        fprintf(f, "contact %s", never);
+    else
+        fprintf(f, "contact %s with the base at %.5g nm", what, base_m * 1e9);
+    if (slowly_m > 0.0)
+        fprintf(f, "; without heat, slowly: %.5g nm", slowly_m * 1e9);
+    fputc('\n', f);
+}
+
 /* Snap-in of a lever that moves slowly: the gap (H R/(3 k))^(1/3), the base at 1.5 of it. Pull-off: at a0
  * + F_ad/k. */
 static void report(const struct approach *a)
 {
+    FILE *f = options_given(&a->o, "out") ? stdout : stderr;
     const double *si = a->si;
     double snap = 1.5 * cbrt(si[LEVER_HAMAKER] * si[LEVER_RADIUS] / (3.0 * si[LEVER_K]));
     double pull = si[LEVER_HAMAKER_OUT] * si[LEVER_RADIUS] / (6.0 * si[LEVER_A0] * si[LEVER_A0]);
     bool still = true;
     for (int i = 0; i < LEVER_INPUTS; i++)
         still = still && a->drive[i].amplitude == 0.0;
-    fprintf(stderr, "contact begins with the base at %.5g nm", a->touch * 1e9);
-    if (still && snap > 1.5 * si[LEVER_A0])
-        fprintf(stderr, "; without heat, slowly: %.5g nm", snap * 1e9);
-    fprintf(stderr, "\ncontact ends with the base at %.5g nm", a->release * 1e9);
-    if (still)
-        fprintf(stderr, "; without heat, slowly: %.5g nm", (pull / si[LEVER_K] + si[LEVER_A0]) * 1e9);
+    bool none = isnan(a->touch) && isnan(a->release) && !a->plant.regime;
+    const char *ends = a->released_back ? "ends" : "ends, on the way down already,";
+    tell_place(f, "begins",
+               !isnan(a->touch) ? NULL
+               : none           ? "never begins"
+                                : "is there from the start",
+               a->touch, still && snap > 1.5 * si[LEVER_A0] ? snap : 0.0);
+    if (!none)
+        tell_place(f, ends, a->plant.regime ? "has not ended with the rows" : NULL, a->release,
+                   still ? pull / si[LEVER_K] + si[LEVER_A0] : 0.0);
     double area = 0.0;
     for (size_t i = 1; i < 2 * a->n; i++)
         area += 0.5 * (a->row[FORCE][i] + a->row[FORCE][i - 1]) * (a->row[BASE][i] - a->row[BASE][i - 1]);
-    fprintf(stderr, "\nwork of the base between the two curves: %.4g aJ\n", -area * 1e18);
+    fprintf(f, "work of the base between the two curves: %.4g aJ\n", -area * 1e18 + 0.0);
 }
 
 static void drop(struct approach *a)

@@ -10,6 +10,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/simulate/simulate.h"
+#include "host_sim/out/cell.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
 
@@ -111,10 +112,10 @@ static void write_states(struct simulation *r, FILE *f, double t, const double *
     if (f == r->out && r->observable >= 0)
         shown[n++] = observed(r, t);
     for (int i = 0; i < n; i++)
-        fprintf(f, ",%.17g", shown[i]);
+        fputc(',', f), cell_put(f, shown[i], 17);
     for (int i = 0; i < SCENE_STAGES && f == r->out; i++)
         if (r->scene.stage[i][STAGE_AT] > 0.0)
-            fprintf(f, ",%.17g", stages_for_plants.results(r->plant.stages)[i]);
+            fputc(',', f), cell_put(f, stages_for_plants.results(r->plant.stages)[i], 17);
     fputc('\n', f);
     if (f == r->out)
         simulate_report_row(r, t, shown);

@@ -736,13 +736,14 @@ damping="damping=100"
 resumes 6001 stability hertz_rig --method rk4 --x stiffness.frequency=100:400:60
 damping="zeta=0.06"
 resumes 41 random nayak-random --seeds 40 --over 1500
-"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/m.svg" >"$dir/out" 2>"$dir/err"
-is "a complete file is summed up" "$(grep -c ^density "$dir/out")" 60
-is "levels that nothing crosses have no mean stay" "$(grep -c '^exceedance,.*,nan,nan,' "$dir/out") $(grep -c -- -nan "$dir/out")" \
-    "$(grep -c '^crossing_rate,.*,0,0,' "$dir/out") 0"
-has "with standard errors and the closed form" "$dir/out" "^kind,at,value,standard_error,closed_form"
+"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/m.svg" --statistics "$dir/m_stat.csv" >"$dir/out" 2>"$dir/err"
+is "a complete file is summed up" "$(grep -c ^density "$dir/m_stat.csv")" 60
+has "and in words" "$dir/out" "^standard deviation: 0\\.4.* +- .*; closed form 0\\.4"
+is "levels that nothing crosses have no mean stay" "$(grep -c '^exceedance,[^,]*,,,' "$dir/m_stat.csv") $(grep -c -- nan "$dir/m_stat.csv")" \
+    "$(grep -c '^crossing_rate,.*,0,0,' "$dir/m_stat.csv") 0"
+has "with standard errors and the closed form" "$dir/m_stat.csv" "^kind,at,value,standard_error,closed_form"
 has "and drawn" "$dir/m.svg" "closed form"
-"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" >/dev/full 2>"$dir/err"
+"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --statistics /dev/full >"$dir/out" 2>"$dir/err"
 is "a full disk for the sums, status" $? 1
 has "a full disk for the sums, said" "$dir/err" "the rows are complete"
 "$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/nosuch/x.svg" >"$dir/out" 2>"$dir/err"
@@ -894,7 +895,7 @@ refuses 2 "give a --speed" approach soft --speed 1e-12
 refuses 1 "cannot write --out" approach soft --out "$dir/no/such.csv"
 refuses 2 "choose two files" approach soft --out "$dir/x.csv" --tab "$dir/x.csv"
 "$program" approach soft --points 100 --set temperature="0 K" --set height="60 nm" --speed 1e-7 --out "$dir/curve.csv" \
-    --svg "$dir/curve.svg" --tab "$dir/curve.tab" 2>"$dir/err"
+    --svg "$dir/curve.svg" --tab "$dir/curve.tab" >"$dir/err"
 is "approach, status" $? 0
 is "approach: rows" "$(wc -l <"$dir/curve.csv")" 201
 has "approach: a picture" "$dir/curve.svg" "retract"

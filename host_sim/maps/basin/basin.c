@@ -120,7 +120,7 @@ static int run(struct basin *b)
     int status = check_files(b, rows);
     if (!status && !rows)
         status = maps_compute(&b->m, &j);
-    bool whole = rows || (out && !strcmp(options_text(&b->m.o, "shard", 0), "1/1"));
+    bool whole = rows || maps_is_whole(&b->m);
     return !status && whole ? basin_report(b, rows ? rows : out) : status;
 }
 

@@ -7,7 +7,8 @@
 
 struct report {
     const struct basin *b;
-    const char *path;
+    const char *path; /* the rows are there */
+    FILE *summary;
     struct basin_clusters clusters;
     struct basin_row *row;
     int n;
@@ -30,7 +31,7 @@ static int sort_rows(struct report *r)
     return 0;
 }
 
-static void print_images(const struct model *m, const struct basin_attractor *a, int i)
+static void print_images(FILE *f, const struct model *m, const struct basin_attractor *a, int i)
 {
     static const char *const name[IMAGES] = {"", "mirrored", "ends exchanged", "both"};
     const char *between = "  ";
@@ -38,55 +39,56 @@ static void print_images(const struct model *m, const struct basin_attractor *a,
         if (a->image[k] == i)
             continue;
         if (a->image[k] < 0)
-            printf("%s%s: not seen", between, name[k]);
+            fprintf(f, "%s%s: not seen", between, name[k]);
         else
-            printf("%s%s: %d", between, name[k], a->image[k] + 1);
+            fprintf(f, "%s%s: %d", between, name[k], a->image[k] + 1);
         between = ", ";
     }
-    puts(between[0] == ',' ? "" : "  symmetric");
+    fputs(between[0] == ',' ? "\n" : "  symmetric\n", f);
 }
 
-static void print_share(const char *name, int count, int total)
+static void print_share(FILE *f, const char *name, int count, int total)
 {
     double low, high;
     basin_clusters_wilson(count, total, &low, &high);
-    printf("%-9s %7d %8.3f %% %8.3f .. %-7.3f", name, count, 100.0 * count / total, 100.0 * low,
-           100.0 * high);
+    fprintf(f, "%-9s %7d %8.3f %% %8.3f .. %-7.3f", name, count, 100.0 * count / total, 100.0 * low,
+            100.0 * high);
 }
 
-static void print_attractor(const struct report *r, int i)
+static void print_attractor(FILE *f, const struct report *r, int i)
 {
     const struct basin_attractor *a = &r->clusters.attractor[i];
     char name[16], period[16];
     snprintf(name, sizeof name, "%d", i + 1);
     basin_period_text(&a->motion, period, sizeof period);
-    print_share(name, a->count, r->clusters.total);
-    printf(" %6s %8.4f %8.4f  %-12.6g", period, a->growth, a->motion.open,
-           a->motion.peak * basin_peak_unit(r->b));
+    print_share(f, name, a->count, r->clusters.total);
+    fprintf(f, " %6s %8.4f %8.4f  %-12.6g", period, a->growth, a->motion.open,
+            a->motion.peak * basin_peak_unit(r->b));
     if (r->b->plant.model->n_contacts > 1) /* one contact has one side */
-        print_images(r->b->plant.model, a, i);
+        print_images(f, r->b->plant.model, a, i);
     else
-        putchar('\n');
+        fputc('\n', f);
 }
 
-static void print_table(const struct report *r)
+static void print_table(FILE *f, const struct report *r)
 {
     const struct basin_clusters *c = &r->clusters;
     const struct signal *s = &r->b->plant.model->output_signal[r->b->plant.observable];
-    printf("%d starts, %d attractors; period: in forcing periods; growth: of a small distance in one, "
-           "logarithm;\n"
-           "open: share of time without contact; peak: of %s, %s\n"
-           "attractor  starts    share    95 %% interval     period   growth     open  peak\n",
-           c->total, c->n, s->name, scenes_dimensionless(&r->b->m.scene) ? "1" : s->unit);
+    fprintf(f,
+            "%d starts, %d attractors; period: in forcing periods; growth: of a small distance in one, "
+            "logarithm;\n"
+            "open: share of time without contact; peak: of %s, %s\n"
+            "attractor  starts    share    95 %% interval     period   growth     open  peak\n",
+            c->total, c->n, s->name, scenes_dimensionless(&r->b->m.scene) ? "1" : s->unit);
     for (int i = 0; i < c->n; i++)
-        print_attractor(r, i);
+        print_attractor(f, r, i);
     if (c->escaped > 0) {
-        print_share("escaped", c->escaped, c->total);
-        putchar('\n');
+        print_share(f, "escaped", c->escaped, c->total);
+        fputc('\n', f);
     }
     if (c->trouble > 0) {
-        print_share("trouble", c->trouble, c->total);
-        putchar('\n');
+        print_share(f, "trouble", c->trouble, c->total);
+        fputc('\n', f);
     }
 }
 
@@ -121,7 +123,7 @@ static int conclude(struct report *r)
     basin_clusters_finish(&r->clusters, order);
     for (int i = 0; i < r->n; i++)
         r->row[i].attractor = r->row[i].attractor < 0 ? -1 : order[r->row[i].attractor];
-    print_table(r);
+    print_table(r->summary, r);
     int status = draw(r);
     return status ? status : write_page(r);
 }
@@ -130,8 +132,12 @@ int basin_report(const struct basin *b, const char *path)
 {
     static struct report r;
     struct rows_table t;
-    int status = rows_load(&b->m.o, &b->m.rows, path, &t);
-    r = (struct report){.b = b, .path = path, .row = (struct basin_row *)(void *)t.row, .n = t.n};
+    int status = path ? rows_load(&b->m.o, &b->m.rows, path, &t) : maps_load_rows(&b->m, &t);
+    r = (struct report){.b = b,
+                        .path = path ? path : "standard output",
+                        .summary = path ? stdout : stderr,
+                        .row = (struct basin_row *)(void *)t.row,
+                        .n = t.n};
     basin_clusters_start(&r.clusters, b->plant.model);
     status = status ? status : sort_rows(&r);
     status = status ? status : conclude(&r);

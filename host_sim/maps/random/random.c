@@ -14,6 +14,7 @@ static const struct option random_options[] = {
     {"range", "LOW:HIGH", "range of the observable (its mean and six standard deviations to both sides)",
      OPTION_TEXT, .initial = NULL},
     {"bins", "N", "number of equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
+    {"statistics", "FILE", "the statistics of all realisations as CSV", OPTION_TEXT, .initial = NULL},
     {.name = NULL},
 };
 
@@ -24,12 +25,12 @@ static const struct usage random_usage = {
                "crossing\n"
                "rates of levels, length of exceedances and contact loss, with standard errors. Nayak's and "
                "the Gaussian\n"
-               "closed form stand beside them where they hold. Rows of realisations go to --out, and then "
-               "their statistics\n"
-               "to standard output.",
+               "closed form stand beside them where they hold. Rows of realisations go to --out, their "
+               "statistics to\n"
+               "--statistics.",
     .words_help = SCENE_WORDS_HELP,
     .examples =
-        "  contactplant random nayak-random --out rows.csv --svg random.svg >random.csv\n"
+        "  contactplant random nayak-random --out rows.csv --svg random.svg --statistics random.csv\n"
         "  contactplant random rig --set force.amplitude=0 --set \"force.noise=20 N\" --out noise.csv\n"
         "  contactplant random nayak-random --seeds 1000 --shard 2/8 --out rows2.csv\n",
     .min_words = 1,
@@ -52,8 +53,7 @@ static int run(struct random_runs *r)
 {
     struct jobs j = {.n = r->n, .compute = compute, .context = r};
     int status = maps_compute(&r->m, &j);
-    bool whole = options_given(&r->m.o, "out") && !options_given(&r->m.o, "shard");
-    return status || !whole ? status : random_report(r);
+    return status || !maps_is_whole(&r->m) ? status : random_report(r);
 }
 
 int cmd_random(int argc, char **argv)

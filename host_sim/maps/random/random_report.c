@@ -1,6 +1,8 @@
 /* random_report.c - statistics over all realisations beside the closed form: a CSV and a picture. */
 #include "host_sim/maps/random/random.h"
+#include "host_sim/out/cell.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,38 +124,95 @@ static double law_crossing(const struct report *p, int edge)
 
 /* ---- the CSV ---- */
 
-static void print_row(const char *kind, double at, struct estimate e, double closed)
+static void print_row(FILE *f, const char *kind, double at, struct estimate e, double closed)
 {
-    printf("%s,%.6g,%.6g,%.3g,%.6g\n", kind, at, e.value, e.error, closed);
+    const double value[] = {at, e.value, e.error, closed};
+    fputs(kind, f);
+    for (int i = 0; i < 4; i++) {
+        fputc(',', f);
+        cell_put(f, value[i], i == 2 ? 3 : 6);
+    }
+    fputc('\n', f);
 }
 
-static bool print(const struct report *p)
+static void print(const struct report *p, FILE *f)
 {
     const struct random_runs *r = p->r;
     struct estimate mean = estimate(p, cell, RANDOM_MEAN);
     double none = (double)NAN, moment[2] = {none, none};
     if (p->law)
         random_law_moments(p->law, &moment[0], &moment[1]);
-    printf("kind,at,value,standard_error,closed_form\n");
-    print_row("mean", none, mean, moment[0]);
-    print_row("variance", none, variance(p, mean.value), moment[1]);
+    fprintf(f, "kind,at,value,standard_error,closed_form\n");
+    print_row(f, "mean", none, mean, moment[0]);
+    print_row(f, "variance", none, variance(p, mean.value), moment[1]);
     if (r->m.scene.model->n_contacts) {
-        print_row("out_of_contact", none, estimate(p, cell, RANDOM_OPEN),
+        print_row(f, "out_of_contact", none, estimate(p, cell, RANDOM_OPEN),
                   p->law ? random_law_open(p->law) : none);
-        print_row("touchdown_rate", none, estimate(p, cell, RANDOM_TOUCHES),
+        print_row(f, "touchdown_rate", none, estimate(p, cell, RANDOM_TOUCHES),
                   p->law ? random_law_touches(p->law) : none);
     }
     for (int i = 0; i < r->n_bins; i++)
-        print_row("density", 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
-                  law_density(p, i));
+        print_row(f, "density", 0.5 * (random_edge(r, i) + random_edge(r, i + 1)),
+                  estimate(p, row_density, i), law_density(p, i));
     for (int i = 0; i <= r->n_bins; i++)
-        print_row("above", random_edge(r, i), estimate(p, row_above, i), law_above(p, i));
+        print_row(f, "above", random_edge(r, i), estimate(p, row_above, i), law_above(p, i));
     for (int i = 0; i <= r->n_bins; i++)
-        print_row("crossing_rate", random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
+        print_row(f, "crossing_rate", random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
     for (int i = 0; i <= r->n_bins; i++)
-        print_row("exceedance", random_edge(r, i), exceedance(p, i),
+        print_row(f, "exceedance", random_edge(r, i), exceedance(p, i),
                   mean_stay(law_above(p, i), law_crossing(p, i)));
-    return !fflush(stdout) && !ferror(stdout);
+}
+
+/* 0, or the exit status after a line. */
+static int write_statistics(const struct report *p)
+{
+    const struct options *o = &p->r->m.o;
+    const char *path = options_text(o, "statistics", 0);
+    FILE *f = path ? fopen(path, "w") : NULL;
+    if (!path)
+        return 0;
+    if (f)
+        print(p, f);
+    bool bad = !f || ferror(f);
+    if (f && fclose(f))
+        bad = true;
+    return bad ? options_failure(o->usage,
+                                 "--statistics %s: %s; the rows are complete, give the same command", path,
+                                 strerror(errno))
+               : 0;
+}
+
+/* ---- the summary ---- */
+
+static void tell_estimate(FILE *f, const char *name, struct estimate e, const char *unit, double closed)
+{
+    fprintf(f, "%s: %.5g +- %.2g%s%s", name, e.value, e.error, *unit ? " " : "", unit);
+    if (isfinite(closed))
+        fprintf(f, "; closed form %.5g", closed);
+    fputc('\n', f);
+}
+
+static void tell(const struct report *p, FILE *f)
+{
+    const struct random_runs *r = p->r;
+    const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
+    bool plain = scenes_dimensionless(&r->m.scene), bare = plain || !strcmp(y->unit, "1");
+    struct estimate mean = estimate(p, cell, RANDOM_MEAN), v = variance(p, mean.value);
+    double none = (double)NAN, moment[2] = {none, none};
+    v.value = sqrt(fmax(v.value, 0.0));
+    v.error = v.value > 0.0 ? 0.5 * v.error / v.value : 0.0;
+    if (p->law)
+        random_law_moments(p->law, &moment[0], &moment[1]);
+    fprintf(f, "%s, %s: %d realisations over %g%s each\n", r->m.name, y->name, p->n, r->over,
+            plain ? "" : " s");
+    tell_estimate(f, "mean", mean, bare ? "" : y->unit, moment[0]);
+    tell_estimate(f, "standard deviation", v, bare ? "" : y->unit, sqrt(moment[1]));
+    if (!r->m.scene.model->n_contacts)
+        return;
+    tell_estimate(f, "share of time out of contact", estimate(p, cell, RANDOM_OPEN), "",
+                  p->law ? random_law_open(p->law) : none);
+    tell_estimate(f, plain ? "touchdowns per time" : "touchdowns per second",
+                  estimate(p, cell, RANDOM_TOUCHES), "", p->law ? random_law_touches(p->law) : none);
 }
 
 /* ---- the picture ---- */
@@ -168,7 +227,7 @@ static double logarithm_of(double value)
     return value > 0.0 ? log10(value) : (double)NAN;
 }
 
-static void draw_curve(struct chart *c, const struct curve *k, const char *label)
+static void draw_curve(struct chart *c, const struct curve *k, const char *label, bool closed)
 {
     double min = (double)INFINITY, max = -(double)INFINITY;
     chart_range_add(&min, &max, k->high, k->n);
@@ -176,7 +235,8 @@ static void draw_curve(struct chart *c, const struct curve *k, const char *label
     chart_range_finish(&min, &max);
     chart_panel(c, label, 220.0, min, max);
     chart_band(c, k->x, k->low, k->high, k->n, CHART_BLUE, "realisations, two standard errors");
-    chart_line(c, k->x, k->closed, k->n, CHART_RED, "closed form");
+    if (closed)
+        chart_line(c, k->x, k->closed, k->n, CHART_RED, "closed form");
 }
 
 static void fill(struct curve *k, double x, struct estimate e, double closed)
@@ -196,51 +256,63 @@ static void draw(const struct report *p, struct chart *c)
     const struct random_runs *r = p->r;
     const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
     bool plain = scenes_dimensionless(&r->m.scene);
-    char text[LABEL];
+    char text[LABEL], x_label[LABEL];
+    double factor = chart_label(x_label, sizeof x_label, y->name, plain ? "" : y->unit,
+                                fmax(fabs(r->low), fabs(r->high)));
     snprintf(text, sizeof text, "contactplant random %.*s", utf8_fits(r->m.name, 100), r->m.name);
     char under[LABEL];
     snprintf(under, sizeof under, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
     chart_begin(c, text, under);
-    chart_x_range(c, r->low, r->high);
+    chart_x_range(c, factor * r->low, factor * r->high);
     k.n = 0;
     for (int i = 0; i < r->n_bins; i++)
-        fill(&k, 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
+        fill(&k, factor * 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
              law_density(p, i));
-    draw_curve(c, &k, "log10 of density");
+    snprintf(text, sizeof text,
+             plain || !strcmp(y->unit, "1") ? "log10 of density"
+             : strpbrk(y->unit, "/ ")       ? "log10 of density (1/(%s))"
+                                            : "log10 of density (1/%s)",
+             y->unit);
+    draw_curve(c, &k, text, p->law != NULL);
     k.n = 0;
     for (int i = 0; i <= r->n_bins; i++)
-        fill(&k, random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
-    draw_curve(c, &k, plain ? "log10 of up-crossings per time" : "log10 of up-crossings per second");
-    snprintf(text, sizeof text, plain || !strcmp(y->unit, "1") ? "%s" : "%s (%s)", y->name, y->unit);
-    chart_x_axis(c, text);
+        fill(&k, factor * random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
+    draw_curve(c, &k, plain ? "log10 of up-crossings per time" : "log10 of up-crossings per second",
+               p->law != NULL);
+    chart_x_axis(c, x_label);
+}
+
+/* Without a whole run's rows there is nothing to sum up. */
+static int conclude(const struct report *p)
+{
+    const struct random_runs *r = p->r;
+    struct chart c;
+    if (p->n < r->n)
+        fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p->n,
+                r->n);
+    if (p->n < 2)
+        return options_failure(
+            r->m.o.usage, "fewer than two realisations stayed finite; give weaker noise or a shorter --over");
+    tell(p, maps_summary(&r->m));
+    int status = write_statistics(p);
+    if (status || !options_given(&r->m.o, "svg"))
+        return status;
+    draw(p, &c);
+    return maps_finish_chart(&r->m, &c);
 }
 
 int random_report(const struct random_runs *r)
 {
     static struct random_law law;
     struct report p = {.r = r};
-    struct chart c;
-    const struct usage *u = r->m.o.usage;
     const char *why = random_law_of(&r->m.scene, &law);
-    int status = rows_load(&r->m.o, &r->m.rows, options_text(&r->m.o, "out", 0), &p.t);
+    int status = maps_load_rows(&r->m, &p.t);
     for (int i = 0; i < p.t.n; i++)
         p.n += stayed(&p, i);
     p.law = why ? NULL : &law;
     if (!status && why)
         fprintf(stderr, "contactplant random: no closed form: %s\n", why);
-    if (!status && p.n < r->n)
-        fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p.n,
-                r->n);
-    if (!status && p.n < 2)
-        status = options_failure(
-            u, "fewer than two realisations stayed finite; give weaker noise or a shorter --over");
-    if (!status && !print(&p) && !options_reader_left())
-        status = options_failure(
-            u, "standard output cannot be written; the rows are complete, give the same command");
-    if (!status && options_given(&r->m.o, "svg")) {
-        draw(&p, &c);
-        status = maps_finish_chart(&r->m, &c);
-    }
+    status = status ? status : conclude(&p);
     rows_free(&p.t);
     return status;
 }

@@ -83,7 +83,9 @@ static int run(struct stability *s)
                      .ends = ends,
                      .context = s};
     int status = maps_compute(&s->m, &j);
-    return status || !options_given(&s->m.o, "svg") ? status : stability_chart(s);
+    if (!status && options_given(&s->m.o, "svg"))
+        status = stability_chart(s);
+    return status ? status : stability_tell(s);
 }
 
 int cmd_stability(int argc, char **argv)

@@ -43,6 +43,16 @@ int stability_read(struct stability *s);
 const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell);
 const char *stability_contact_cell(const struct stability *s, const struct scene *scene, double *cell);
 
+/* The kinds of a cell. Floquet: 0 unstable in both, 1 in the plant only, 2 in the method only. Energy: 0
+ * lost, 1 made, 2 more than doubled, 3 not finite. Switches: 0 missed, 1 made up. */
+enum { STABILITY_NO_KIND = -1 };
+int stability_floquet_kind(const double *cell);
+int stability_energy_kind(const double *cell);
+int stability_switches_kind(const double *cell);
+
+/* How much of the map is unstable and where, as the summary of maps.h. 0, or the exit status after a line. */
+int stability_tell(const struct stability *s);
+
 /* The picture of the rows in --out. 0, or the exit status after a line. */
 int stability_chart(const struct stability *s);
 

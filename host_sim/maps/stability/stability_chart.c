@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include "host_sim/out/utf8.h"
 
-enum { LABEL = 160, KINDS = 4, NO_KIND = -1 };
+enum { LABEL = 160, KINDS = 4 };
 
 /* One panel: kinds of cells, and which of them a cell is. */
 struct panel {
@@ -25,34 +25,14 @@ struct picture {
     double *from, *to, *y; /* [t.n] cells of one kind */
 };
 
-static int unstable_kind(const double *c)
-{
-    bool plant = !(c[FLOQUET_PLANT] <= STABILITY_UNIT), method = !(c[FLOQUET_METHOD] <= STABILITY_UNIT);
-    return plant ? !method : method ? 2 : NO_KIND;
-}
-
-static int energy_kind(const double *c)
-{
-    double ratio = c[CONTACT_ENERGY];
-    if (ratio < 1.0 - STABILITY_ENERGY)
-        return 0;
-    return !isfinite(ratio) ? 3 : ratio > 2.0 ? 2 : ratio > 1.0 + STABILITY_ENERGY ? 1 : NO_KIND;
-}
-
-static int switches_kind(const double *c)
-{
-    double more = c[CONTACT_OF_METHOD] - c[CONTACT_SWITCHES];
-    return more < 0.0 ? 0 : more > 0.0 ? 1 : NO_KIND;
-}
-
 static const struct panel floquet_panel = {
     "unstable",
     320.0,
-    unstable_kind,
+    stability_floquet_kind,
     {{CHART_GREY, "in both"}, {CHART_BLUE, "in the plant only"}, {CHART_RED, "in the method only"}}};
 static const struct panel energy_panel = {"energy",
                                           240.0,
-                                          energy_kind,
+                                          stability_energy_kind,
                                           {{CHART_BLUE, "energy lost, 5 % and more"},
                                            {CHART_ORANGE, "made, 5 % and more"},
                                            {CHART_RED, "more than doubled"},
@@ -60,7 +40,7 @@ static const struct panel energy_panel = {"energy",
 static const struct panel switches_panel = {
     "switches",
     240.0,
-    switches_kind,
+    stability_switches_kind,
     {{CHART_BLUE, "contact switches missed"}, {CHART_RED, "switches that are none"}}};
 
 static double on_axis(const struct scene_range *r, double value)
@@ -91,16 +71,18 @@ static void draw_kind(struct picture *p, const struct panel *panel, int k)
         p->to[n - 1] = x + dx;
         p->y[n - 1] = y;
     }
-    chart_cells(&p->c, p->from, p->to, p->y, n, half_cell(&s->y), panel->legend[k].colour,
-                panel->legend[k].name);
+    if (n) /* the legend names the colours that are there */
+        chart_cells(&p->c, p->from, p->to, p->y, n, half_cell(&s->y), panel->legend[k].colour,
+                    panel->legend[k].name);
 }
 
 static void draw_panel(struct picture *p, const struct panel *panel)
 {
     const struct stability *s = p->s;
     double dy = half_cell(&s->y);
-    char label[LABEL];
-    snprintf(label, sizeof label, "%s: %s%s", panel->what, s->y.logarithmic ? "log10 of " : "", s->y.column);
+    char label[LABEL], words[LABEL];
+    scene_range_label(&s->y, words, sizeof words);
+    snprintf(label, sizeof label, "%.40s: %.100s, upwards", panel->what, words);
     chart_panel(&p->c, label, panel->height, on_axis(&s->y, s->y.from) - dy, on_axis(&s->y, s->y.to) + dy);
     for (int k = 0; k < KINDS && panel->legend[k].name; k++)
         draw_kind(p, panel, k);
@@ -121,7 +103,7 @@ static void draw(struct picture *p)
         draw_panel(p, &energy_panel);
         draw_panel(p, &switches_panel);
     }
-    snprintf(text, sizeof text, "%s%s", s->x.logarithmic ? "log10 of " : "", s->x.column);
+    scene_range_label(&s->x, text, sizeof text);
     chart_x_axis(&p->c, text);
 }
 

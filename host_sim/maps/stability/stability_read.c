@@ -32,6 +32,8 @@ static void step_key(const struct scene *sc, struct scene_range *r)
                                       .max = 1e6,
                                       .offset = offsetof(struct scene, frame_s)}};
     scene_range_spell(r->column, sizeof r->column, "step", unit);
+    snprintf(r->words, sizeof r->words, "step of the method");
+    r->unit = unit;
 }
 
 static int read_step(struct stability *s)

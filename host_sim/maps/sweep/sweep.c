@@ -63,6 +63,7 @@ int cmd_sweep(int argc, char **argv)
         status = sweep_chart(&s);
     if (!status && options_given(&s.m.o, "report"))
         status = sweep_report(&s, argc, argv);
+    status = status ? status : sweep_tell(&s);
     free(s.m.identity);
     free(s.scratch);
     return status;

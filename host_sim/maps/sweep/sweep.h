@@ -132,6 +132,21 @@ size_t sweep_resume(void *context, int job, const char *rows);
 /* The chain of row i. Each value of the family is two chains, up and down. */
 int sweep_chain_of(const struct rows_table *t, const struct sweep_result *row, int i);
 
+/* A row that is the far side of a jump's bracket: the row before it is the near one. */
+bool sweep_is_jump(const struct sweep_result *row, int i);
+
+/* "up", "down", with the family's value where there is one. */
+const char *sweep_chain_name(const struct sweep *s, int chain, char text[SWEEP_LABEL]);
+
+/* "amplitude of penetration, harmonic 1/2", of harmonic i. */
+void sweep_name_harmonic(const struct sweep *s, int i, char name[SWEEP_LABEL]);
+
+/* "over 20 periods", "until the damping leaves 1e-4". */
+void sweep_say_settled(const struct sweep *s, char text[SWEEP_LABEL]);
+
+/* Jumps and where, the largest amplitude, and what did not settle, as the summary of maps.h. */
+int sweep_tell(const struct sweep *s);
+
 /* The picture --svg of a file of rows. 0, or the exit status after a line. */
 int sweep_chart(const struct sweep *s);
 

@@ -28,17 +28,6 @@ static double on_axis(const struct picture *p, double value)
     return p->s->range.logarithmic ? log10(value) : value;
 }
 
-/* Writes the name with its unit in brackets, prefixed to suit `largest`. Returns the factor to that unit. */
-static double label_of(const char *name, const char *unit, double largest, char label[SWEEP_LABEL])
-{
-    static const char *const prefix[] = {"f", "p", "n", "u", "m", "", "k", "M", "G"};
-    int power = largest > 0.0 ? (int)floor(log10(largest) / 3.0) : 0;
-    power = power < -5 ? -5 : power > 3 ? 3 : power;
-    bool bare = !*unit || !strcmp(unit, "1"), scaled = !bare && strcmp(unit, "rad") != 0;
-    snprintf(label, SWEEP_LABEL, bare ? "%s" : "%s (%s%s)", name, scaled ? prefix[power + 5] : "", unit);
-    return scaled ? pow(10.0, -3.0 * power) : 1.0;
-}
-
 /* The name of a chain in the legend of the first panel, or NULL. */
 static const char *legend_of(const struct picture *p, int chain, char text[SWEEP_LABEL])
 {
@@ -80,7 +69,8 @@ static void draw_panel(struct picture *p, size_t offset, const char *name, doubl
     for (int i = 0; i < p->t.n; i++)
         memcpy(&p->y[i], (const char *)&p->row[i] + offset, sizeof p->y[i]);
     chart_range_add(&min, &max, p->y, (size_t)p->t.n);
-    double factor = label_of(name ? name : column->meaning, column->unit, fmax(fabs(min), fabs(max)), label);
+    double factor = chart_label(label, sizeof label, name ? name : column->meaning, column->unit,
+                                fmax(fabs(min), fabs(max)));
     min *= factor, max *= factor;
     chart_range_finish(&min, &max);
     chart_panel(&p->c, label, height, min, max);
@@ -97,14 +87,11 @@ static void draw_panel(struct picture *p, size_t offset, const char *name, doubl
     mark_jumps(p);
 }
 
-static void draw_harmonics(struct picture *p, const char *observable)
+static void draw_harmonics(struct picture *p)
 {
     for (int i = 0; i < p->s->n_harmonics; i++) {
-        const struct sweep_harmonic *h = &p->s->harmonic[i];
         char name[SWEEP_LABEL];
-        snprintf(name, sizeof name,
-                 h->m > 1 ? "amplitude of %s, harmonic %u/%u" : "amplitude of %s, harmonic %u", observable,
-                 (unsigned)h->n, (unsigned)h->m);
+        sweep_name_harmonic(p->s, i, name);
         draw_panel(p, AT(measured.amplitude) + (size_t)i * sizeof(double), name, i ? 80.0 : 170.0);
         if (i == 0)
             draw_panel(p, AT(measured.phase), "its phase to the drive", 80.0);
@@ -117,18 +104,19 @@ static void draw(struct picture *p)
     const struct model *m = s->m.scene.model;
     char title[SWEEP_LABEL], text[SWEEP_LABEL];
     snprintf(title, sizeof title, "contactplant sweep %.*s", utf8_fits(s->m.name, 100), s->m.name);
-    int n = snprintf(text, sizeof text, "%d points up and down, each settled over %d periods; ", s->range.n,
-                     s->settle);
+    char settled[SWEEP_LABEL];
+    sweep_say_settled(s, settled);
+    int n = snprintf(text, sizeof text, "%d points up and down, each settled %s; ", s->range.n, settled);
     snprintf(text + n, sizeof text - (size_t)n, s->family.n ? "a colour for each %s" : "dashed: jumps",
-             s->family.column);
+             s->family.words);
     chart_begin(&p->c, title, text);
     chart_x_range(&p->c, on_axis(p, s->range.from), on_axis(p, s->range.to));
-    draw_harmonics(p, m->output_signal[(int)s->m.scene.observable].name);
+    draw_harmonics(p);
     if (m->n_contacts > 0) {
         draw_panel(p, AT(measured.out_of_contact), NULL, 80.0);
         draw_panel(p, AT(measured.peak_force), NULL, 80.0);
     }
-    snprintf(text, sizeof text, "%s%s", s->range.logarithmic ? "log10 of " : "", s->range.column);
+    scene_range_label(&s->range, text, sizeof text);
     chart_x_axis(&p->c, text);
 }
 

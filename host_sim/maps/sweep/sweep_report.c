@@ -27,20 +27,11 @@ static double value_at(const struct report *p, int i, size_t offset)
     return value;
 }
 
-static const char *chain_name(const struct report *p, int chain, char text[SWEEP_LABEL])
-{
-    const struct scene_range *f = &p->s->family;
-    if (!f->n)
-        return chain % 2 ? "down" : "up";
-    snprintf(text, SWEEP_LABEL, "%.9g %s", scene_range_value(f, chain / 2), chain % 2 ? "down" : "up");
-    return text;
-}
-
 /* The rows of a chain from index `from` to before `to`, as a line with its points. */
 static void put_chain(struct report *p, int chain, size_t offset, int from, int to)
 {
     char text[SWEEP_LABEL];
-    const char *name = chain_name(p, chain, text);
+    const char *name = sweep_chain_name(p->s, chain, text);
     size_t n = 0;
     for (int i = from; i < to; i++) {
         if (sweep_chain_of(&p->t, p->row, i) != chain)
@@ -57,7 +48,7 @@ static void put_chain(struct report *p, int chain, size_t offset, int from, int 
 static void begin_chart(struct report *p, size_t offset, const char *name)
 {
     const struct rows_column *c = rows_find(&p->s->m.rows, offset);
-    html_chart(&p->h, name ? name : c->meaning, c->unit, p->s->range.column, "");
+    html_chart(&p->h, name ? name : c->meaning, c->unit, p->s->range.words, p->s->range.unit);
 }
 
 static int chains(const struct report *p)
@@ -75,21 +66,12 @@ static void put_curve(struct report *p, size_t offset, const char *name)
             html_marker(&p->h, p->row[i].value, "%.6g", p->row[i].value);
 }
 
-static void name_harmonic(const struct sweep *s, int i, char name[SWEEP_LABEL])
-{
-    const struct sweep_harmonic *g = &s->harmonic[i];
-    int n = snprintf(name, SWEEP_LABEL, "amplitude of %s, harmonic %u",
-                     s->m.scene.model->output_signal[s->m.scene.observable].name, (unsigned)g->n);
-    if (g->m > 1)
-        snprintf(name + n, SWEEP_LABEL - (size_t)n, "/%u", (unsigned)g->m);
-}
-
 static void put_curves(struct report *p)
 {
     const struct sweep *s = p->s;
     char name[SWEEP_LABEL];
     for (int i = 0; i < s->n_harmonics; i++) {
-        name_harmonic(s, i, name);
+        sweep_name_harmonic(s, i, name);
         put_curve(p, AT(measured.amplitude) + (size_t)i * sizeof(double), name);
         if (i == 0)
             put_curve(p, AT(measured.phase), "its phase to the drive");
@@ -98,11 +80,6 @@ static void put_curves(struct report *p)
         put_curve(p, AT(measured.out_of_contact), NULL);
         put_curve(p, AT(measured.peak_force), NULL);
     }
-}
-
-static bool is_jump(const struct report *p, int i)
-{
-    return p->row[i].kind == SWEEP_TO && i > 0 && p->row[i - 1].kind == SWEEP_FROM;
 }
 
 static int count(const struct report *p, enum sweep_kind kind)
@@ -122,18 +99,18 @@ static void put_jumps(struct report *p)
              p->s->range.column, unit, unit);
     html_table(&p->h, "Jumps", columns);
     for (int i = 0; i < p->t.n; i++) {
-        if (!is_jump(p, i))
+        if (!sweep_is_jump(p->row, i))
             continue;
         html_row(&p->h, false);
-        html_cell(&p->h, "%s", chain_name(p, sweep_chain_of(&p->t, p->row, i), text));
+        html_cell(&p->h, "%s", sweep_chain_name(p->s, sweep_chain_of(&p->t, p->row, i), text));
         for (size_t k = 0; k < 4; k++)
             html_cell(&p->h, "%.9g", value_at(p, i - 1 + (int)k % 2, k < 2 ? AT(value) : first));
     }
     for (int i = 0, drawn = 0; i < p->t.n && drawn < JUMPS_DRAWN; i++) {
-        if (!is_jump(p, i))
+        if (!sweep_is_jump(p->row, i))
             continue;
         snprintf(title, sizeof title, "around the jump at %.6g, %s", p->row[i].value,
-                 chain_name(p, sweep_chain_of(&p->t, p->row, i), text));
+                 sweep_chain_name(p->s, sweep_chain_of(&p->t, p->row, i), text));
         begin_chart(p, first, title);
         put_chain(p, sweep_chain_of(&p->t, p->row, i), first, i > POINTS_AROUND ? i - POINTS_AROUND : 0,
                   i + POINTS_AROUND < p->t.n ? i + POINTS_AROUND : p->t.n);

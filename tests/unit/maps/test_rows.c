@@ -61,7 +61,7 @@ TEST(rows_write)
     write_row(&own_row, true, text);
     check_string("a row", text, own_line);
     write_row(&own_row, false, text);
-    check_string("a row without a result", text, "3,bad,nan,nan,nan,nan,nan\n");
+    check_string("a row without a result", text, "3,bad,,,,,\n");
     check_string("the column of a value", rows_find(&table, offsetof(struct own, exact))->name, "exact");
 }
 
@@ -76,7 +76,9 @@ TEST(rows_read)
     check_is("a number in full", back.item[0], ==, 1.0 / 3.0);
     check_is("all of it without digits", back.exact, ==, 0.1);
     check_true("turns, every bit", !memcmp(back.turns, own_row.turns, sizeof own_row.turns));
-    check_true("a row without a result", rows_read(&table, "3,bad,nan,nan,nan,nan,nan\n", &back));
+    check_true("a row without a result, as before", rows_read(&table, "3,bad,nan,nan,nan,nan,nan\n", &back));
+    check_true("has no number", isnan(back.value) && isnan(back.item[1]) && back.turns[0] == 0);
+    check_true("a row without a result", rows_read(&table, "3,bad,,,,,\n", &back));
     check_true("has no number", isnan(back.value) && isnan(back.item[1]) && back.turns[0] == 0);
 }
 
@@ -92,7 +94,8 @@ TEST(rows_refuse)
         "3,bad,1,0.1,0.3,-2,8000000000000000:0000000000000001",
         "3,worse,1,0.1,0.3,-2,8000000000000000:0000000000000001\n",
         "3,ba,1,0.1,0.3,-2,8000000000000000:0000000000000001\n",
-        "3,bad,,0.1,0.3,-2,8000000000000000:0000000000000001\n",
+        "3,,1,0.1,0.3,-2,8000000000000000:0000000000000001\n",
+        ",bad,1,0.1,0.3,-2,8000000000000000:0000000000000001\n",
         "3,bad,one,0.1,0.3,-2,8000000000000000:0000000000000001\n",
         "3,bad,1,0.1,0.3,\n-2,8000000000000000:0000000000000001\n",
         "3.5,bad,1,0.1,0.3,-2,8000000000000000:0000000000000001\n",

@@ -42,18 +42,34 @@ static void end(void)
     rmdir(directory);
 }
 
+/* The cells of a row behind run and job; an empty one is no number. */
+static bool read_row(char *line, struct row *r)
+{
+    double *value[] = {&r->value,        &r->amplitude[0], &r->phase[0], &r->amplitude[1], &r->phase[1],
+                       &r->amplitude[2], &r->phase[2],     &r->mean,     &r->lowest,       &r->highest,
+                       &r->out,          &r->peak,         &r->settled};
+    (void)strsep(&line, ","), (void)strsep(&line, ",");
+    char *kind = strsep(&line, ","), *direction = strsep(&line, ",");
+    if (!kind || !direction || !strcmp(kind, "kind"))
+        return false;
+    snprintf(r->kind, sizeof r->kind, "%s", kind);
+    snprintf(r->direction, sizeof r->direction, "%s", direction);
+    for (size_t i = 0; i < sizeof value / sizeof *value; i++) {
+        char *cell = strsep(&line, ",");
+        if (!cell)
+            return false;
+        *value[i] = *cell ? strtod(cell, NULL) : (double)NAN;
+    }
+    return true;
+}
+
 static void read_rows(void)
 {
     char line[1000];
     FILE *f = fopen(out, "r");
     n_rows = 0;
-    while (f && fgets(line, sizeof line, f) && n_rows < ROWS) {
-        struct row *r = &row[n_rows];
-        n_rows += sscanf(line, "%*8x,%*d,%15[^,],%7[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf",
-                         r->kind, r->direction, &r->value, &r->amplitude[0], &r->phase[0], &r->amplitude[1],
-                         &r->phase[1], &r->amplitude[2], &r->phase[2], &r->mean, &r->lowest, &r->highest,
-                         &r->out, &r->peak, &r->settled) == 15;
-    }
+    while (f && fgets(line, sizeof line, f) && n_rows < ROWS)
+        n_rows += read_row(line, &row[n_rows]);
     if (f)
         fclose(f);
 }

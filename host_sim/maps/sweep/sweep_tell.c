@@ -1,0 +1,105 @@
+/* sweep_tell.c - the summary of a sweep from its rows: its jumps, its largest amplitude, and what did not
+ * settle. */
+#include "host_sim/maps/sweep/sweep.h"
+#include "host_sim/cli/unit.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { JUMPS_TOLD = 12 };
+
+bool sweep_is_jump(const struct sweep_result *row, int i)
+{
+    return row[i].kind == SWEEP_TO && i > 0 && row[i - 1].kind == SWEEP_FROM;
+}
+
+const char *sweep_chain_name(const struct sweep *s, int chain, char text[SWEEP_LABEL])
+{
+    const struct scene_range *f = &s->family;
+    if (!f->n)
+        return chain % 2 ? "down" : "up";
+    snprintf(text, SWEEP_LABEL, "%.9g %s", scene_range_value(f, chain / 2), chain % 2 ? "down" : "up");
+    return text;
+}
+
+void sweep_name_harmonic(const struct sweep *s, int i, char name[SWEEP_LABEL])
+{
+    const struct sweep_harmonic *h = &s->harmonic[i];
+    snprintf(name, SWEEP_LABEL, h->m > 1 ? "amplitude of %s, harmonic %u/%u" : "amplitude of %s, harmonic %u",
+             s->m.scene.model->output_signal[(int)s->m.scene.observable].name, (unsigned)h->n,
+             (unsigned)h->m);
+}
+
+void sweep_say_settled(const struct sweep *s, char text[SWEEP_LABEL])
+{
+    if (s->settle < 0)
+        snprintf(text, SWEEP_LABEL, "until the damping leaves 1e-4");
+    else
+        snprintf(text, SWEEP_LABEL, "over %d periods", s->settle);
+}
+
+static void tell_jump(const struct sweep *s, const struct rows_table *t, const struct sweep_result *row,
+                      int i, FILE *f)
+{
+    const char *unit = s->m.scene.model->output_signal[s->m.scene.observable].unit;
+    char chain[SWEEP_LABEL], at[UNIT_TEXT], before[UNIT_TEXT], behind[UNIT_TEXT];
+    unit = scenes_dimensionless(&s->m.scene) ? "" : unit;
+    fprintf(f, "  %s at %s: amplitude from %s to %s\n", sweep_chain_name(s, sweep_chain_of(t, row, i), chain),
+            maps_in_words(row[i].value, s->range.unit, at),
+            maps_in_words(row[i - 1].measured.amplitude[0], unit, before),
+            maps_in_words(row[i].measured.amplitude[0], unit, behind));
+}
+
+/* The row with the largest amplitude of the first harmonic, or -1. */
+static int find_largest(const struct rows_table *t, const struct sweep_result *row)
+{
+    int largest = -1;
+    for (int i = 0; i < t->n; i++) {
+        double a = row[i].measured.amplitude[0];
+        if (isfinite(a) && (largest < 0 || a > row[largest].measured.amplitude[0]))
+            largest = i;
+    }
+    return largest;
+}
+
+static void tell(const void *context, const struct rows_table *t, FILE *f)
+{
+    const struct sweep *s = context;
+    const struct sweep_result *row = rows_row(t, 0);
+    const struct signal *y = &s->m.scene.model->output_signal[s->m.scene.observable];
+    const char *unit = scenes_dimensionless(&s->m.scene) ? "" : y->unit;
+    int jumps = 0, unsettled = 0, escaped = 0, largest = find_largest(t, row);
+    char a[UNIT_TEXT], b[UNIT_TEXT], name[SWEEP_LABEL];
+    sweep_name_harmonic(s, 0, name);
+    for (int i = 0; i < t->n; i++) {
+        jumps += sweep_is_jump(row, i);
+        unsettled += row[i].kind == SWEEP_UNSETTLED;
+        escaped += row[i].kind == SWEEP_ESCAPED;
+    }
+    fprintf(f, "%s, %s from %s to %s in %d points, up and down\n", s->m.name, s->range.words,
+            maps_in_words(s->range.from, s->range.unit, a), maps_in_words(s->range.to, s->range.unit, b),
+            s->range.n);
+    if (largest >= 0)
+        fprintf(f, "largest %s: %s at %s\n", name, maps_in_words(row[largest].measured.amplitude[0], unit, a),
+                maps_in_words(row[largest].value, s->range.unit, b));
+    if (jumps)
+        fprintf(f, "%d %s located by bisection:\n", jumps, jumps == 1 ? "jump" : "jumps");
+    else
+        fputs("no jump was found\n", f);
+    for (int i = 0, n = 0; i < t->n && n < JUMPS_TOLD; i++)
+        if (sweep_is_jump(row, i)) {
+            tell_jump(s, t, row, i, f);
+            n++;
+        }
+    if (jumps > JUMPS_TOLD)
+        fprintf(f, "  and %d more, in the rows jump_from and jump_to\n", jumps - JUMPS_TOLD);
+    if (unsettled)
+        fprintf(f, "%d points did not settle\n", unsettled);
+    if (escaped)
+        fprintf(f, "the motion escaped at %d points\n", escaped);
+}
+
+int sweep_tell(const struct sweep *s)
+{
+    return maps_tell(&s->m, tell, s);
+}
