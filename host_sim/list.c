@@ -19,12 +19,11 @@
 
 static const struct usage list_usage = {
     .name = "list",
-    .words = "[models|scenes|settings|microscope|methods|messages|counters|metrics]",
-    .summary = "Prints all names: models with their parameters, inputs and outputs, scenes, settings, "
-               "numbers of the\n"
-               "microscope, methods, messages with their fields, counters, and the metrics of tests. A word "
-               "picks one\n"
-               "of these lists.",
+    .words = "[models|scenes|papers|settings|microscope|methods|messages|counters|metrics]",
+    .summary =
+        "Prints all names: models with their parameters, inputs and outputs, scenes, scenes of papers,\n"
+        "settings, numbers of the microscope, methods, messages with their fields, counters, and the\n"
+        "metrics of tests. A word picks one of these lists.",
     .examples = "  contactplant list\n"
                 "  contactplant list models\n"
                 "  contactplant list messages\n",
@@ -89,11 +88,23 @@ static void list_models(void)
     }
 }
 
+static void print_scenes(int begin, int end)
+{
+    for (int i = begin; i < end; i++)
+        printf("    %-22s %s\n", scenes_table[i].name, scenes_table[i].title);
+}
+
 static void list_scenes(void)
 {
-    printf("scenes (run, simulate; scene prints one)\n");
-    for (int i = 0; i < SCENES; i++)
-        printf("    %-22s %s\n", scenes_table[i].name, scenes_table[i].title);
+    printf("scenes to begin with (run, simulate; scene prints one)\n");
+    print_scenes(0, SCENES_OWN);
+    printf("%d more are figures of papers: contactplant list papers\n", SCENES - SCENES_OWN);
+}
+
+static void list_papers(void)
+{
+    printf("scenes that are figures of papers (run, simulate; scene prints one)\n");
+    print_scenes(SCENES_OWN, SCENES);
 }
 
 static void list_settings(void)
@@ -164,9 +175,9 @@ static void list_metrics(void)
 static const struct {
     const char *name;
     void (*print)(void);
-} part[] = {{"models", list_models},         {"scenes", list_scenes},   {"settings", list_settings},
-            {"microscope", list_microscope}, {"methods", list_methods}, {"messages", list_messages},
-            {"counters", list_counters},     {"metrics", list_metrics}};
+} part[] = {{"models", list_models},     {"scenes", list_scenes},         {"papers", list_papers},
+            {"settings", list_settings}, {"microscope", list_microscope}, {"methods", list_methods},
+            {"messages", list_messages}, {"counters", list_counters},     {"metrics", list_metrics}};
 
 enum { PARTS = sizeof part / sizeof part[0] };
 
@@ -182,10 +193,11 @@ int cmd_list(int argc, char **argv)
             printed++;
         }
     if (!printed)
-        return options_misuse(&list_usage,
-                              "nothing called \"%s\"; write models, scenes, settings, microscope, methods, "
-                              "messages, counters or metrics",
-                              o.word[0]);
+        return options_misuse(
+            &list_usage,
+            "nothing called \"%s\"; write models, scenes, papers, settings, microscope, methods, "
+            "messages, counters or metrics",
+            o.word[0]);
     return STATUS_DONE;
 }
 

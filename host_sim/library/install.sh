@@ -23,6 +23,10 @@ link() { # TARGET PLACE
     esac
 }
 
+scenes() {
+    for list in scenes papers; do "$build/contactplant" list $list; done | sed -n 's/^    \([^ ]*\) .*/\1/p'
+}
+
 # What the program prints of itself.
 prints=$build/share
 if [ "$action" = install ]; then
@@ -31,7 +35,7 @@ if [ "$action" = install ]; then
     "$build/contactplant" man >"$prints/contactplant.1"
     "$build/contactplant" completion >"$prints/completions/contactplant"
     "$build/contactplant" dbc >"$prints/contactplant.dbc"
-    for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}'); do
+    for scene in $(scenes); do
         "$build/contactplant" scene "$scene" >"$prints/scenes/$scene.ini" 2>"$prints/warnings"
     done
     sed -e "s|@PREFIX@|$PREFIX|" -e "s|@LIBDIR@|$LIBDIR|" -e "s|@VERSION@|$VERSION|" host_sim/library/contactplant.pc.in \
@@ -46,7 +50,7 @@ put 644 "$PREFIX/include" host_sim/library/contactplant.h
 put 644 "$share/man/man1" "$prints/contactplant.1"
 put 644 "$share/bash-completion/completions" "$prints/completions/contactplant"
 put 644 "$share/contactplant" "$prints/contactplant.dbc"
-put 644 "$share/contactplant/scenes" $("$build/contactplant" list scenes | awk -v room="$prints/scenes/" 'NR > 1 {print room $1 ".ini"}')
+put 644 "$share/contactplant/scenes" $(scenes | sed "s|.*|$prints/scenes/&.ini|")
 put 644 "$share/contactplant/python" host_sim/python/contactplant.py
 fmu=$PREFIX/lib/contactplant/fmu
 put 644 "$fmu" "$build/fmu/files"

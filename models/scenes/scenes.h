@@ -64,7 +64,10 @@ struct preset {
     struct scene scene;
 };
 
-enum { SCENES = 64 };
+enum {
+    SCENES = 64,
+    SCENES_OWN = 7 /* the first ones are no figures of papers */
+};
 extern const struct preset scenes_table[SCENES];
 
 /* The preset of this name, or NULL. */

@@ -787,10 +787,13 @@ refuses 2 "no such method" simulate --method automatic
 echo "--- scenes"
 "$program" list scenes >"$dir/out"
 is "list scenes, status" $? 0
-for preset in rig tip shaft bbp-fig5-base kb-fig16 nayak-fig10 shaft-fig9; do
+is "it names those to begin with" "$(sed -n 's/^    \([^ ]*\) .*/\1/p' "$dir/out" | xargs)" "rig tip shaft soft seed tapping stiff"
+"$program" list papers >"$dir/out"
+is "list papers, status" $? 0
+for preset in bbp-fig5-base kb-fig16 nayak-fig10 shaft-fig9; do
     has "list names $preset" "$dir/out" "^ *$preset "
 done
-for preset in $("$program" list scenes | sed -n 's/^    \([a-z][^ ]*\).*/\1/p'); do
+for preset in $("$program" list | sed -n '/^scenes /,/^settings/p' | sed -n 's/^    \([a-z][^ ]*\).*/\1/p'); do
     grep -q "^| \`$preset\` " docs/reference/presets.md
     verdict "docs/reference/presets.md has $preset" $?
 done

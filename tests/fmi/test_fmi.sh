@@ -73,7 +73,7 @@ grep 'rows of simulate' "$here/python" | sed 's/^ok /     /'
 
 echo "--- every preset and model"
 mkdir "$here/all"
-for scene in $("$build/contactplant" list scenes | awk 'NR > 1 {print $1}') $("$build/contactplant" list models | sed -n 's/^model \([a-z_0-9]*\):.*/\1/p'); do
+for scene in $("$build/contactplant" list | sed -n '/^scenes /,/^settings/s/^    \([^ ]*\) .*/\1/p') $("$build/contactplant" list models | sed -n 's/^model \([a-z_0-9]*\):.*/\1/p'); do
     rm -rf "$here/one"
     if ! "$build/contactplant" fmu "$scene" --out "$here/one.fmu" >"$here/log" 2>&1; then
         "$build/contactplant" dbc "$scene" >"$here/dbc" 2>&1
