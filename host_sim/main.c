@@ -2,7 +2,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
-#include "host_sim/out/utf8.h"
+#include "host_sim/out/plain.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -166,7 +166,7 @@ static int unknown(const char *name)
         names[i] = command[i].name;
     const char *nearest = options_nearest(name, names, COMMANDS);
     fputs("contactplant: unknown subcommand \"", stderr);
-    utf8_put_plain(stderr, name);
+    plain_put(stderr, name);
     fprintf(stderr, "\"%s%s%s see contactplant --help\n", nearest ? "; did you mean " : ";",
             nearest ? nearest : "", nearest ? "?" : "");
     return STATUS_MISUSED;

@@ -1,7 +1,7 @@
 /* options.c - see options.h. */
 #include "host_sim/cli/options.h"
 #include "host_sim/commands.h"
-#include "host_sim/out/utf8.h"
+#include "host_sim/out/plain.h"
 
 #include <errno.h>
 #include <math.h>
@@ -20,7 +20,7 @@ static void complain(const struct usage *u, const char *format, va_list list)
     char text[MESSAGE];
     vsnprintf(text, sizeof text, format, list);
     fprintf(stderr, "contactplant %s: ", u->name);
-    utf8_put_plain(stderr, text);
+    plain_put(stderr, text);
 }
 
 int options_misuse(const struct usage *u, const char *format, ...)

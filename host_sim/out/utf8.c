@@ -55,14 +55,3 @@ void utf8_mend(char *text)
             memset(begin, '?', (size_t)(at - begin));
     }
 }
-
-void utf8_put_plain(FILE *file, const char *text)
-{
-    while (*text) {
-        struct utf8_character c = utf8_next(&text);
-        if (c.code < ' ' || (c.code >= 0x7F && c.code < 0xA0))
-            fputs(UTF8_REPLACEMENT, file);
-        else
-            (void)fwrite(c.bytes, 1, c.n, file);
-    }
-}

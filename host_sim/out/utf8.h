@@ -4,7 +4,6 @@
 
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 #define UTF8_REPLACEMENT "\xEF\xBF\xBD" /* U+FFFD */
 
@@ -24,8 +23,5 @@ int utf8_fits(const char *text, int size);
 
 /* Bytes that are ill-formed, a character that a buffer has cut among them, become question marks. */
 void utf8_mend(char *text);
-
-/* Writes the text as part of a line for people: controls, line ends among them, are U+FFFD, too. */
-void utf8_put_plain(FILE *file, const char *text);
 
 #endif

@@ -1,5 +1,6 @@
 /* test_texts.c - texts of unknown origin in JSON and XML. The right forms are written by hand: as many U+FFFD
  * as the Unicode Standard, table 3-8, has. */
+#include "host_sim/out/plain.h"
 #include "host_sim/out/json.h"
 #include "host_sim/out/utf8.h"
 #include "host_sim/out/xml.h"
@@ -133,7 +134,7 @@ TEST(texts_in_a_line_for_people)
 {
     char text[ROOM];
     FILE *f = open_text(text);
-    utf8_put_plain(f, "a\nb\x1B[1m\x7F\xC2\x9B\xC2\xA0\xFF\"");
+    plain_put(f, "a\nb\x1B[1m\x7F\xC2\x9B\xC2\xA0\xFF\"");
     (void)fclose(f);
     check_string("text", text, "a" BAD "b" BAD "[1m" BAD BAD "\xC2\xA0" BAD "\"");
 }
