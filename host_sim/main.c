@@ -65,7 +65,9 @@ static int help(void)
            "subcommands:\n");
     for (int i = 0; i < COMMANDS; i++)
         printf("  %-10s %s\n", command[i].name, command[i].meaning);
-    printf("\ncontactplant SUBCOMMAND --help explains each one, with examples.\n" PAGES "\n"
+    printf("\ncontactplant SUBCOMMAND --help explains each one, with examples. An output that is an input, "
+           "or another\n"
+           "output, is refused before anything is done.\n" PAGES "\n"
            "examples:\n"
            "  contactplant demo                   see it work\n"
            "  contactplant simulate rig           a preset scene, offline; contactplant list scenes\n"

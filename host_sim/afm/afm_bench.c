@@ -7,6 +7,7 @@
 #include <string.h>
 #include "host_sim/afm/gsf.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 #include "host_sim/scene/scene_range.h"
 
@@ -199,7 +200,7 @@ FILE *afm_bench_open(struct afm_bench *b, const char *directory, const char *nam
 {
     char path[PATH];
     int n = snprintf(path, sizeof path, "%s/%s", directory, name);
-    FILE *f = n < PATH ? fopen(path, "wb") : NULL;
+    FILE *f = n < PATH ? files_create(path) : NULL;
     if (!f)
         (void)options_failure(b->usage, "cannot write %s: %s", path,
                               n < PATH ? strerror(errno) : "too long a name");

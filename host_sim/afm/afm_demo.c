@@ -9,6 +9,7 @@
 #include "host_sim/afm/png.h"
 #include "host_sim/afm/scan.h"
 #include "host_sim/afm/thermal.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 
 enum { CURVE = 400, /* points of the force curve in each direction */ LINE_MOST = 512, IMAGES = 3 };
@@ -205,7 +206,7 @@ static int draw_demo(struct afm_demo *d, const char *directory)
     draw_line(d);
     draw_images(d);
     const char *why = chart_end(&d->chart, f);
-    bad = fclose(f) != 0 || bad;
+    bad = !files_finish(f, !why) || bad;
     return why || bad
                ? options_failure(d->bench.usage, "afm.svg is not complete: %s", why ? why : strerror(errno))
                : 0;

@@ -11,6 +11,7 @@
 #include "host_sim/afm/png.h"
 #include "host_sim/afm/scan_part.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 
 enum { NAME = 64, MEMORY_MAX = 1 << 28 /* values */ };
@@ -18,8 +19,8 @@ enum { NAME = 64, MEMORY_MAX = 1 << 28 /* values */ };
 static const struct option scan_options[] = {
     {"set", "NAME=VALUE", "a number of microscope or lever, with its unit; repeatable", OPTION_TEXT,
      .many = true},
-    {"surface", "FILE", "heights from a Gwyddion Simple Field (.gsf)", OPTION_TEXT, .initial = NULL},
-    {"out", "DIR", "directory of the images (build/scan)", OPTION_TEXT, .initial = "build/scan"},
+    {"surface", "FILE", "heights from a Gwyddion Simple Field (.gsf)", OPTION_READS, .initial = NULL},
+    {"out", "DIR", "directory of the images (build/scan)", OPTION_FOLDER, .initial = "build/scan"},
     {.name = NULL},
 };
 
@@ -163,9 +164,15 @@ void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char te
 
 static int finish(struct afm_bench *b, FILE *f, const char *why)
 {
-    if (fclose(f) != 0 && !why)
+    if (!files_finish(f, !why) && !why)
         why = strerror(errno);
     return why ? options_failure(b->usage, "an image: %s", why) : 0;
+}
+
+/* The name of a file of this channel, without what tells its kind. */
+static void stem_of(int which, int back, char stem[NAME])
+{
+    snprintf(stem, NAME, "%.40s%s", channel[which].name, back ? "_back" : "");
 }
 
 static int write_gsf(struct afm_bench *b, const struct scan_image *m, int back, int i, const char *stem)
@@ -215,9 +222,23 @@ static int write_images(struct afm_bench *b, const struct scan_image *m)
         char stem[NAME];
         if (which == SCAN_FREQUENCY && !tracks)
             continue;
-        snprintf(stem, sizeof stem, "%s%s", channel[which].name, back ? "_back" : "");
+        stem_of(which, back, stem);
         status = write_gsf(b, m, back, which, stem);
         status = status ? status : write_png(b, m, m->value[back][which], stem);
+    }
+    return status;
+}
+
+/* Before the work: none of the images takes the place of what this command reads. */
+static int check_images(struct afm_bench *b)
+{
+    char name[NAME];
+    const char *const one[] = {name, NULL};
+    int status = 0;
+    for (int i = 0; i < 4 * SCAN_SURFACE && !status; i++) {
+        stem_of(i / 4, i % 2, name);
+        strcat(name, i / 2 % 2 ? ".png" : ".gsf");
+        status = options_check_folder(&b->o, "out", one);
     }
     return status;
 }
@@ -257,6 +278,7 @@ int cmd_scan(int argc, char **argv)
     status = afm_bench_read(&b);
     status = status ? status : afm_bench_read_surface(&b);
     status = status ? status : afm_bench_start(&b);
+    status = status ? status : check_images(&b);
     const char *out = options_text(&b.o, "out", 0);
     if (!status && mkdir(out, 0777) && errno != EEXIST)
         status = options_failure(&scan_usage, "cannot make the directory --out %s: %s", out, strerror(errno));

@@ -6,9 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include "firmware/plant/hash.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 
 /* The file: this, then station, piezo, sensor and the image's channels as they are in memory. */
 struct head {
@@ -114,26 +116,45 @@ static const char *take(FILE *f, struct afm_bench *b, struct scan_image *m)
     return NULL;
 }
 
-int scan_part_read(const struct scan_part *p, struct afm_bench *b, struct scan_image *m, bool *found)
-{
-    FILE *f = fopen(p->path, "rb");
-    *found = false;
-    if (!f)
-        return errno == ENOENT ? 0
-                               : options_failure(b->usage, "cannot read %s: %s", p->path, strerror(errno));
-    const char *why = take(f, b, m);
-    fclose(f);
-    *found = !why;
-    return why ? options_failure(
-                     b->usage, "%s %s, and is left as it is; remove it to begin anew, or give another --out",
-                     p->path, why)
-               : 0;
-}
-
 /* It is written beside the one before it and then takes its place. */
 static void next_path(const struct scan_part *p, char next[SCAN_PATH + 8])
 {
     snprintf(next, SCAN_PATH + 8, "%s.new", p->path);
+}
+
+/* NULL: nothing stands there, or what a scan wrote, though it was cut off while it did. Else what is wrong.
+ */
+static const char *look(const char *path)
+{
+    char begin[sizeof part_magic];
+    struct stat s;
+    if (lstat(path, &s))
+        return errno == ENOENT ? NULL : strerror(errno);
+    FILE *f = S_ISREG(s.st_mode) ? fopen(path, "re") : NULL;
+    size_t n = f ? fread(begin, 1, sizeof begin, f) : 0;
+    if (f)
+        (void)fclose(f);
+    return f && !memcmp(begin, part_magic, n) ? NULL : "is no scan";
+}
+
+int scan_part_read(const struct scan_part *p, struct afm_bench *b, struct scan_image *m, bool *found)
+{
+    char next[SCAN_PATH + 8];
+    next_path(p, next);
+    *found = false;
+    const char *at = next, *why = look(next);
+    if (!why)
+        why = look(at = p->path);
+    FILE *f = why ? NULL : fopen(p->path, "re");
+    if (f) {
+        why = take(f, b, m);
+        fclose(f);
+    }
+    *found = f && !why;
+    return why ? options_failure(
+                     b->usage, "%s %s, and is left as it is; remove it to begin anew, or give another --out",
+                     at, why)
+               : 0;
 }
 
 int scan_part_write(struct scan_part *p, const struct afm_bench *b, const struct scan_image *m)
@@ -143,12 +164,12 @@ int scan_part_write(struct scan_part *p, const struct afm_bench *b, const struct
     list_pieces((struct afm_bench *)(uintptr_t)b, m, piece); /* they are read only */
     struct head h = head_of(b, piece);
     next_path(p, next);
-    FILE *f = fopen(next, "wb");
+    FILE *f = files_create(next);
     bool good = f && fwrite(&h, sizeof h, 1, f) == 1;
     for (int i = 0; i < PARTS && good; i++)
         good = fwrite(piece[i].data, 1, piece[i].size, f) == piece[i].size;
     if (f)
-        good = fclose(f) == 0 && good;
+        good = files_finish(f, good);
     p->kept_s = clock_now_s();
     return good && rename(next, p->path) == 0
                ? 0

@@ -2,7 +2,6 @@
  * free lever's heat, and the stiffness that follows from it. */
 #include "host_sim/commands.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,9 +19,9 @@ static const struct option thermal_options[] = {
     {"seconds", "S", "how long to listen (2)", OPTION_NUMBER, 1e-3, 1e4, .initial = "2"},
     {"set", "NAME=VALUE", "a number of lever or microscope, with its unit; repeatable", OPTION_TEXT,
      .many = true},
-    {"out", "FILE", "rows of frequency, density and fit as CSV (standard output)", OPTION_TEXT,
+    {"out", "FILE", "rows of frequency, density and fit as CSV (standard output)", OPTION_WRITES,
      .initial = NULL},
-    {"svg", "FILE", "a picture of density and fit", OPTION_TEXT, .initial = NULL},
+    {"svg", "FILE", "a picture of density and fit", OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 
@@ -94,18 +93,9 @@ void thermal_prepare(struct afm_bench *b)
     b->si[LEVER_HEIGHT] = b->si[LEVER_HEIGHT] > 1e-6 ? b->si[LEVER_HEIGHT] : 1e-6;
 }
 
-static FILE *open_file(struct afm_bench *b, const char *option)
-{
-    const char *path = options_text(&b->o, option, 0);
-    FILE *f = b->o.n_words && scene_load_is(b->origin, b->o.word[0], path) ? NULL : fopen(path, "w");
-    if (!f)
-        (void)options_failure(&thermal_usage, "cannot write --%s %s: choose another file", option, path);
-    return f;
-}
-
 static int write_rows(struct afm_bench *b, const struct thermal *t)
 {
-    FILE *f = options_given(&b->o, "out") ? open_file(b, "out") : stdout;
+    FILE *f = options_given(&b->o, "out") ? options_compose(&b->o, "out") : stdout;
     if (!f)
         return STATUS_FAILED;
     fprintf(f, "frequency_Hz,density_m2_per_Hz,fit_m2_per_Hz\n");
@@ -113,10 +103,7 @@ static int write_rows(struct afm_bench *b, const struct thermal *t)
         double hz = spectrum_frequency(&t->spectrum, i);
         fprintf(f, "%.9g,%.6g,%.6g\n", hz, t->spectrum.density[i], resonance_density(&t->fit, hz));
     }
-    bool bad = fflush(f) != 0 || ferror(f);
-    if (f != stdout)
-        bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(&thermal_usage, "--out is not complete: %s", strerror(errno)) : 0;
+    return options_close(&b->o, "out", f, NULL);
 }
 
 int thermal_panel(struct chart *c, const struct thermal *t, double height)
@@ -150,16 +137,13 @@ int thermal_panel(struct chart *c, const struct thermal *t, double height)
 static int draw_spectrum(struct afm_bench *b, const struct thermal *t)
 {
     struct chart c;
-    FILE *f = open_file(b, "svg");
+    FILE *f = options_compose(&b->o, "svg");
     if (!f)
         return STATUS_FAILED;
     chart_begin(&c, "contactplant thermal", b->o.n_words ? b->o.word[0] : "tapping");
     bool bad = thermal_panel(&c, t, 260.0) != 0;
     const char *why = chart_end(&c, f);
-    bad = fclose(f) != 0 || bad;
-    return why || bad
-               ? options_failure(&thermal_usage, "--svg is not complete: %s", why ? why : strerror(errno))
-               : 0;
+    return options_close(&b->o, "svg", f, why ? why : bad ? "no memory for the chart" : NULL);
 }
 
 static void report_fit(const struct afm_bench *b, const struct thermal *t)

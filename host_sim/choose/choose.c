@@ -9,7 +9,6 @@
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_load.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,10 +27,10 @@ static const struct option choose_options[] = {
     {"observable", "NAME", "an output of the model (the scene's)", OPTION_TEXT, .initial = NULL},
     {"heat", NULL, "a lever keeps its temperature; statistics are compared then (it is cold)", OPTION_FLAG,
      .initial = NULL},
-    {"json", "FILE", "the certificate as JSON", OPTION_TEXT, .initial = NULL},
-    {"out", "FILE", "the chosen scene as a file to run", OPTION_TEXT, .initial = NULL},
+    {"json", "FILE", "the certificate as JSON", OPTION_WRITES, .initial = NULL},
+    {"out", "FILE", "the chosen scene as a file to run", OPTION_WRITES, .initial = NULL},
     {"report", "FILE", "a page with certificate and charts, which opens in a browser without a network",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 
@@ -131,25 +130,6 @@ static bool find_sweep(const struct options *o, struct choose_certificate *c)
     return false;
 }
 
-/* The files that it writes are files of their own. */
-static bool check_files(const struct options *o, const struct choose_certificate *c, enum scene_origin origin)
-{
-    static const char *const option[] = {"out", "json", "report"};
-    for (int i = 0; i < 3; i++) {
-        const char *path = options_text(o, option[i], 0);
-        for (int k = 0; k < i && path; k++) {
-            const char *other = options_text(o, option[k], 0);
-            if (other && scene_load_same(other, path))
-                return options_misuse(o->usage, "--%s and --%s are both %s; choose two files", option[k],
-                                      option[i], path) == STATUS_DONE;
-        }
-        if (path && scene_load_is(origin, c->title, path))
-            return options_misuse(o->usage, "--%s %s is the scene itself; choose another", option[i], path) ==
-                   STATUS_DONE;
-    }
-    return true;
-}
-
 /* The scene with what the options change, checked anew: a sweep by its highest frequency. */
 static bool read(const struct options *o, struct choose_certificate *c)
 {
@@ -173,8 +153,6 @@ static bool read(const struct options *o, struct choose_certificate *c)
     if (other)
         c->scene.tolerance = options_number(o, "tolerance");
     if (!find_machine(o, c) || !find_observable(o, c) || !find_sweep(o, c))
-        return false;
-    if (!check_files(o, c, origin))
         return false;
     struct scene fast = c->scene;
     fast.tolerance =
@@ -201,17 +179,13 @@ static void warn(const struct choose_certificate *c)
 static int write_file(const struct options *o, const char *option, const struct choose_certificate *c,
                       void (*write)(FILE *, const struct choose_certificate *))
 {
-    const char *path = options_text(o, option, 0);
-    FILE *f = path ? fopen(path, "w") : NULL;
-    if (!path)
+    if (!options_given(o, option))
         return STATUS_DONE;
-    if (f)
-        write(f, c);
-    bool bad = !f || ferror(f);
-    bad = (f && fclose(f)) || bad;
-    return bad ? options_misuse(o->usage, "cannot write %s: %s; choose another --%s", path, strerror(errno),
-                                option)
-               : STATUS_DONE;
+    FILE *f = options_compose(o, option);
+    if (!f)
+        return STATUS_MISUSED;
+    write(f, c);
+    return options_close(o, option, f, NULL) ? STATUS_MISUSED : STATUS_DONE;
 }
 
 static int write_page(const struct options *o, const struct choose_certificate *c, int argc, char **argv)

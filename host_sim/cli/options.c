@@ -1,5 +1,6 @@
 /* options.c - see options.h. */
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 #include "host_sim/out/plain.h"
 
@@ -110,7 +111,7 @@ static int unknown(const struct usage *u, const char *name, int length)
 static int read_value(const struct usage *u, struct given *g)
 {
     const struct option *p = g->option;
-    if (p->kind == OPTION_TEXT)
+    if (p->kind != OPTION_NUMBER && p->kind != OPTION_INTEGER)
         return *g->text ? 0 : options_misuse(u, "--%s has an empty value; give %s", p->name, p->argument);
     if (!options_read_number(g->text, &g->number))
         return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %.10g to %.10g", p->name,
@@ -185,6 +186,46 @@ static int read_all(struct options *o, int argc, char **argv)
     return status;
 }
 
+/* Calls take for each file of this kind that the line names, by itself or by default. */
+static int each_file(const struct options *o, enum option_kind kind,
+                     int (*take)(const struct options *o, const struct option *p, const char *path))
+{
+    int status = 0;
+    for (int t = 0; t < OPTIONS_TABLES && o->usage->table[t]; t++)
+        for (const struct option *p = o->usage->table[t]; p->name && !status; p++) {
+            const char *path = options_text(o, p->name, 0);
+            if (path && p->kind == kind)
+                status = take(o, p, path);
+        }
+    return status;
+}
+
+static int take_output(const struct options *o, const struct option *p, const char *path)
+{
+    char why[FILES_REASON];
+    bool taken = files_take(p->name, path, p->kind == OPTION_FOLDER, why);
+    return taken ? 0 : options_misuse(o->usage, "%s", why);
+}
+
+static int take_input(const struct options *o, const struct option *p, const char *path)
+{
+    char why[FILES_REASON];
+    (void)p;
+    return files_reads(path, "read by this command", why) ? 0 : options_misuse(o->usage, "%s", why);
+}
+
+/* Folders come first: a file may lie in one that is not there yet. */
+static int take_files(const struct options *o)
+{
+    files_begin();
+    int status = each_file(o, OPTION_FOLDER, take_output);
+    status = status ? status : each_file(o, OPTION_WRITES, take_output);
+    status = status ? status : each_file(o, OPTION_READS, take_input);
+    for (int i = 0; i < o->n_words && i < o->usage->words_read && !status; i++)
+        status = take_input(o, NULL, o->word[i]);
+    return status;
+}
+
 bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status)
 {
     *o = (struct options){.usage = u};
@@ -200,6 +241,7 @@ bool options_parse(struct options *o, const struct usage *u, int argc, char **ar
     if (!*status && o->n_words > u->max_words)
         *status =
             options_misuse(u, "\"%s\" is one word too many; take it away, see --help", o->word[u->max_words]);
+    *status = *status ? *status : take_files(o);
     return !*status;
 }
 
@@ -240,4 +282,40 @@ double options_number(const struct options *o, const char *name)
     if (g)
         return g->number;
     return p && p->initial ? strtod(p->initial, NULL) : (double)NAN;
+}
+
+int options_check_folder(const struct options *o, const char *name, const char *const *file)
+{
+    char why[FILES_REASON];
+    for (; *file; file++)
+        if (!files_take_in(options_text(o, name, 0), *file, why))
+            return options_misuse(o->usage, "%s", why);
+    return 0;
+}
+
+static FILE *open_output(const struct options *o, const char *name, FILE *(*open)(const char *path))
+{
+    const char *path = options_text(o, name, 0);
+    FILE *f = open(path);
+    if (!f)
+        options_failure(o->usage, "cannot write --%s %s: %s; choose another", name, path, strerror(errno));
+    return f;
+}
+
+FILE *options_create(const struct options *o, const char *name)
+{
+    return open_output(o, name, files_create);
+}
+
+FILE *options_compose(const struct options *o, const char *name)
+{
+    return open_output(o, name, files_compose);
+}
+
+int options_close(const struct options *o, const char *name, FILE *f, const char *why)
+{
+    bool complete = files_finish(f, !why);
+    return complete ? 0
+                    : options_failure(o->usage, "--%s is not complete: %s; make room and run again", name,
+                                      why ? why : strerror(errno));
 }

@@ -11,6 +11,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 enum {
     OPTIONS_TABLES = 6, /* tables that one command may combine */
@@ -18,7 +19,16 @@ enum {
     OPTIONS_WORDS = 80  /* words on one command line */
 };
 
-enum option_kind { OPTION_FLAG, OPTION_TEXT, OPTION_NUMBER, OPTION_INTEGER };
+/* A value that names a file or a folder has a kind of its own, which keeps outputs from inputs (files.h). */
+enum option_kind {
+    OPTION_FLAG,
+    OPTION_TEXT,
+    OPTION_NUMBER,
+    OPTION_INTEGER,
+    OPTION_READS, /* a file that the command reads */
+    OPTION_WRITES,
+    OPTION_FOLDER /* into which it writes */
+};
 
 struct option {
     const char *name;     /* without the dashes; NULL ends the table */
@@ -38,6 +48,7 @@ struct usage {
     const char *words_help; /* the words' meaning, indented lines; NULL for nothing */
     const char *examples;   /* indented lines */
     int min_words, max_words;
+    int words_read; /* the first so many words name files that are read; a SCENE is none of them */
     const struct option *table[OPTIONS_TABLES]; /* own options, then shared ones; NULL for none */
 };
 
@@ -82,6 +93,19 @@ bool options_read_number(const char *text, double *value);
 
 /* Splits NAME=VALUE: false when there is no '=' or the value is no number. name has room for `size`. */
 bool options_read_setting(const char *text, char *name, size_t size, double *value);
+
+/* Whether these files (NULL behind the last) may be written into the folder of an option, which need not be
+ * there yet: none is an input or another output. 0, or the exit status after a line. */
+int options_check_folder(const struct options *o, const char *name, const char *const *file);
+
+/* The file of an option that writes one, to write as it comes, or in memory until options_close. NULL, after
+ * a line on stderr, where it cannot be written. */
+FILE *options_create(const struct options *o, const char *name);
+FILE *options_compose(const struct options *o, const char *name);
+
+/* Ends that file, or standard output in its place. why: NULL, or why it is not to be kept as it is. 0, or the
+ * exit status after a line. */
+int options_close(const struct options *o, const char *name, FILE *f, const char *why);
 
 /* The nearest of n names to a mistyped one, or NULL when none is near. */
 const char *options_nearest(const char *text, const char *const *name, int n);

@@ -3,6 +3,7 @@
 #include "host_sim/afm/afm_demo.h"
 #include "host_sim/demo/demo.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
@@ -23,9 +24,9 @@ static const double patience_s = 5.0; /* for the plant to say where its scope is
 static const double look_s = 0.01;
 
 static const struct option demo_options[] = {
-    {"out", "DIR", "directory of the files (build/demo)", OPTION_TEXT, .initial = "build/demo"},
+    {"out", "DIR", "directory of the files (build/demo)", OPTION_FOLDER, .initial = "build/demo"},
     {"report", "FILE", "a page with summary and charts, which opens in a browser without a network",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 
@@ -36,8 +37,10 @@ static const struct usage demo_usage = {
         "Shows the plant at work for ten seconds. It starts the plant as a process of its own on the\n"
         "loopback interface and plays its controller. It drives the plant until contact is lost, keeps\n"
         "contact by a sampled force, disturbs it with a fast base drive, and falls silent to show the\n"
-        "time-out. It writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt.\n"
-        "demo afm shows the virtual microscope instead, in one picture, afm.svg: a force curve, heat, a "
+        "time-out. It writes demo.svg, demo.csv, bus.log (all traffic, candump format) and plant.txt into "
+        "DIR,\n"
+        "build/demo below the folder where you are.\n"
+        "demo afm shows the virtual microscope instead, in one picture, DIR/afm.svg: a force curve, heat, a "
         "line\n"
         "over a grating, and images of a grating with a disc that takes energy.",
     .examples = "  contactplant demo\n"
@@ -150,7 +153,7 @@ static bool start_plant(struct demo *d, const char *out, const char *bus, const 
         add_word(command, "--http");
         add_word(command, scope);
     }
-    d->words = fopen(words, "w");
+    d->words = files_create(words);
     if (d->words)
         return child_start(&d->child, command, ".", d->words, d->why);
     snprintf(d->why, DEMO_REASON, "cannot write %.400s: %s", words, strerror(errno));
@@ -261,6 +264,10 @@ int cmd_demo(int argc, char **argv)
     bool microscope = o.n_words > 0;
     if (microscope && strcmp(o.word[0], "afm"))
         return options_misuse(&demo_usage, "nothing called \"%s\"; write afm, or nothing", o.word[0]);
+    static const char *const files[] = {"demo.svg", "demo.csv", "bus.log", "plant.txt", NULL},
+                             *const picture[] = {"afm.svg", NULL};
+    if ((status = options_check_folder(&o, "out", microscope ? picture : files)))
+        return status;
     if (!make_directories(out))
         return options_failure(&demo_usage, "cannot make the directory %s: %s", out, strerror(errno));
     if (microscope)

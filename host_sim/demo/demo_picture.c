@@ -1,5 +1,6 @@
 /* demo_picture.c - the record as one picture. */
 #include "host_sim/cli/chart.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/demo/demo.h"
 
 #include <errno.h>
@@ -177,13 +178,13 @@ static const char *draw(struct picture *p, FILE *f)
 bool demo_write_picture(const struct demo_record *r, const char *path, char *why)
 {
     struct picture *p = calloc(1, sizeof *p);
-    FILE *f = p ? fopen(path, "w") : NULL;
+    FILE *f = p ? files_compose(path) : NULL;
     const char *reason = !p ? "no memory for the picture" : !f ? strerror(errno) : NULL;
     if (f) {
         p->record = r;
         reason = draw(p, f);
-        if (fclose(f) && !reason)
-            reason = "the picture could not be written completely (disk full?)";
+        if (!files_finish(f, !reason) && !reason)
+            reason = strerror(errno);
     }
     if (reason)
         snprintf(why, DEMO_REASON, "cannot write %s: %s", path, reason);

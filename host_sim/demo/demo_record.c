@@ -1,4 +1,5 @@
 /* demo_record.c - collects the messages on the bus in rows of ten frames and writes them as a CSV. */
+#include "host_sim/cli/files.h"
 #include "host_sim/demo/demo.h"
 #include "models/hertz_rig.h"
 
@@ -167,7 +168,7 @@ static void put(FILE *f, int column, double value)
 
 bool demo_write_csv(const struct demo_record *r, const char *path, char *why)
 {
-    FILE *f = fopen(path, "w");
+    FILE *f = files_compose(path);
     if (!f) {
         snprintf(why, DEMO_REASON, "cannot write %s: %s", path, strerror(errno));
         return false;
@@ -180,9 +181,8 @@ bool demo_write_csv(const struct demo_record *r, const char *path, char *why)
             put(f, k, r->column[k][i]);
     }
     fputc('\n', f);
-    bool bad = ferror(f) != 0;
-    bad = fclose(f) != 0 || bad;
-    if (bad)
-        snprintf(why, DEMO_REASON, "%s could not be written completely (disk full?)", path);
-    return !bad;
+    bool good = files_finish(f, true);
+    if (!good)
+        snprintf(why, DEMO_REASON, "%s could not be written completely: %s", path, strerror(errno));
+    return good;
 }

@@ -1,6 +1,7 @@
 /* fmu_command.c - contactplant fmu SCENE --out FILE: an FMU of a scene. Binary and
  * sources fit every scene; they lie in a folder beside the program, which make and make install fill. */
 #include "host_sim/commands.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/fmu/fmu_describe.h"
 #include "host_sim/fmu/zip.h"
@@ -14,7 +15,7 @@
 #include <unistd.h>
 
 static const struct option fmu_options[] = {
-    {"out", "FILE", "the FMU to write, by custom NAME.fmu", OPTION_TEXT, .initial = NULL},
+    {"out", "FILE", "the FMU to write, by custom NAME.fmu", OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 
@@ -134,15 +135,13 @@ static struct contactplant *open_plant(const struct subject *s, const char *mode
 }
 
 /* From the name of a scene to both texts. */
-static int read_subject(const char *word, const char *out, struct subject *s)
+static int read_subject(const char *word, struct subject *s)
 {
     struct scene scene;
     char why[SCENE_REASON];
     enum scene_origin origin = scene_load(word, &scene, why);
     if (origin == SCENE_OF_NOTHING)
         return options_misuse(&fmu_usage, "%s", why);
-    if (scene_load_is(origin, word, out))
-        return options_misuse(&fmu_usage, "--out %s is the scene itself; choose another", out);
     if (origin == SCENE_OF_MODEL && !scene.model->modal_form)
         scene.method = "rk4"; /* as everywhere for a bare model */
     const char *title = origin == SCENE_OF_PRESET ? scenes_find(word)->title : scene.model->title;
@@ -172,22 +171,15 @@ static int write_zip(FILE *f, const struct subject *s, const char *folder, char 
     return good ? status : options_failure(&fmu_usage, "cannot write the FMU; make room and run again");
 }
 
-/* Into a file beside it first: what stands there is replaced by a whole FMU or not at all. */
-static int write_fmu(const char *out, const struct subject *s, const char *folder, char *list)
+static int write_fmu(const struct options *o, const struct subject *s, const char *folder, char *list)
 {
-    char part[PATH_MAX];
-    if (snprintf(part, sizeof part, "%s.part", out) >= PATH_MAX)
-        return options_misuse(&fmu_usage, "--out: the path is too long");
-    FILE *f = fopen(part, "wb");
+    FILE *f = options_compose(o, "out");
     if (!f)
-        return options_failure(&fmu_usage, "cannot write %s: %s", part, strerror(errno));
+        return STATUS_FAILED;
     int status = write_zip(f, s, folder, list);
-    if (fclose(f) && status == STATUS_DONE)
-        status = options_failure(&fmu_usage, "cannot write %s: %s", part, strerror(errno));
-    if (status == STATUS_DONE && rename(part, out))
-        status = options_failure(&fmu_usage, "cannot write %s: %s", out, strerror(errno));
-    if (status != STATUS_DONE)
-        (void)remove(part);
+    if (status == STATUS_DONE)
+        return options_close(o, "out", f, NULL);
+    (void)files_finish(f, false); /* The file of before stays. */
     return status;
 }
 
@@ -200,13 +192,12 @@ int cmd_fmu(int argc, char **argv)
     int status;
     if (!options_parse(&o, &fmu_usage, argc, argv, &status))
         return status;
-    const char *out = options_text(&o, "out", 0);
-    if (!out || !*out)
+    if (!options_given(&o, "out"))
         return options_misuse(&fmu_usage, "say where the FMU goes: --out %s.fmu", o.word[0]);
-    status = read_subject(o.word[0], out, &s);
+    status = read_subject(o.word[0], &s);
     if (status == STATUS_DONE) {
         list = find_parts(folder);
-        status = list.at ? write_fmu(out, &s, folder, list.at) : STATUS_FAILED;
+        status = list.at ? write_fmu(&o, &s, folder, list.at) : STATUS_FAILED;
     }
     free(list.at);
     free(s.scene.at);

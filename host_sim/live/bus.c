@@ -1,5 +1,6 @@
 /* bus.c - see bus.h. */
 #include "host_sim/live/bus.h"
+#include "host_sim/cli/files.h"
 
 #include "host_sim/live/fault_list.h"
 
@@ -71,6 +72,9 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
 
 static bool open_memory(struct bus *b, const char *path, char *why)
 {
+    char clash[FILES_REASON];
+    if (*path && !files_take("bus", path, false, clash))
+        return refuse_bus(why, clash);
     const char *reason = memory_open(&b->memory, *path ? path : NULL);
     if (reason)
         return refuse_bus(why, reason);
@@ -184,6 +188,8 @@ bool bus_add_faults(struct bus *b, const char *list, uint64_t seed, double frame
 bool bus_record(struct bus *b, const char *path, uint64_t limit, char *why)
 {
     const struct hal device = b->hal;
+    if (!files_may_write(path))
+        return refuse_bus(why, "log: it is read by this command; choose another file");
     const char *reason = log_open(&b->log, path, b->interface, &device);
     if (reason)
         return refuse_bus(why, reason);

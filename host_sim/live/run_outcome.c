@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/app/account.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
 #include "host_sim/out/json.h"
@@ -14,7 +15,7 @@ enum { MISSED, LATE, FAULT };
 static const char *const cause_name[CAUSES_OF_FAILURE] = {"missed", "late", "fault"};
 
 const struct option run_outcome_options[] = {
-    {"json", "FILE", "also write the report as JSON: time, hash, state, every counter", OPTION_TEXT,
+    {"json", "FILE", "also write the report as JSON: time, hash, state, every counter", OPTION_WRITES,
      .initial = NULL},
     {"fail-on", "LIST",
      "end with status 1 after any of: missed (frames), late (commands), fault; separated by commas",
@@ -62,7 +63,7 @@ static bool write_json(const struct run_outcome *r, const char *path)
     const struct app *a = r->app;
     uint32_t count[DIAG_COUNTERS];
     struct json j;
-    FILE *f = fopen(path, "w");
+    FILE *f = files_compose(path);
     if (!f)
         return false;
     account_counts(a, count);
@@ -77,8 +78,7 @@ static bool write_json(const struct run_outcome *r, const char *path)
     for (int i = 0; i < DIAG_COUNTERS; i++)
         json_item(&j, "'%r': %u", diag_name[i].name, (uint64_t)count[i]);
     json_put(&j, "}}\n");
-    bool good = !ferror(f);
-    return fclose(f) == 0 && good;
+    return files_finish(f, true);
 }
 
 int run_outcome_tell(const struct run_outcome *r, const struct options *o)

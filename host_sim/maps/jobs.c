@@ -3,6 +3,7 @@
 #include "host_sim/maps/jobs.h"
 
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 #include "host_sim/maps/jobs_workers.h"
 
@@ -15,7 +16,7 @@
 #include <unistd.h>
 
 const struct option jobs_options[] = {
-    {"out", "FILE", "rows as CSV; an interrupted run is resumed in its file (standard output)", OPTION_TEXT,
+    {"out", "FILE", "rows as CSV; an interrupted run is resumed in its file (standard output)", OPTION_WRITES,
      .initial = NULL},
     {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
      .initial = "1/1"},
@@ -244,11 +245,7 @@ static int open_file(struct book *b)
 {
     char header[JOBS_LINE];
     b->path = options_text(b->j->options, "out", 0);
-    b->out = b->path ? fopen(b->path, "a+") : stdout;
-    if (b->path && b->out) { /* "a+" creates a missing file, "r+" writes anywhere */
-        fclose(b->out);
-        b->out = fopen(b->path, "r+");
-    }
+    b->out = b->path ? files_resume(b->path) : stdout;
     if (!b->out)
         return options_misuse(b->j->options->usage, "--out %s: %s; give a file that can be written", b->path,
                               strerror(errno));

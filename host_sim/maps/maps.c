@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene_print.h"
 #include "models/models.h"
@@ -14,7 +15,7 @@ const struct option maps_options[] = {
     {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
     {"tol", "E", "its tolerance (the scene's; in a sweep 1e-9 at most)", OPTION_NUMBER, METHOD_TOL_MIN,
      METHOD_TOL_MAX, .initial = NULL},
-    {"svg", "FILE", "a picture of the rows in --out", OPTION_TEXT, .initial = NULL},
+    {"svg", "FILE", "a picture of the rows in --out", OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 
@@ -103,7 +104,6 @@ int maps_read_time(const struct maps *m, const char *name, double *value)
 
 int maps_check_files(const struct maps *m, const char *rows)
 {
-    static const char *const file[] = {"out", "svg", "report", "statistics", NULL};
     const struct usage *u = m->o.usage;
     const char *svg = options_text(&m->o, "svg", 0);
     if (svg && !rows)
@@ -111,7 +111,7 @@ int maps_check_files(const struct maps *m, const char *rows)
     if (svg && options_given(&m->o, "shard"))
         return options_misuse(
             u, "--svg goes without --shard; put the shards' files together, and give them as --out");
-    return scene_load_check_files(&m->o, m->origin, 0, options_text(&m->o, "rows", 0), file);
+    return 0;
 }
 
 FILE *maps_open_identity(struct maps *m, const char *kind)
@@ -184,11 +184,11 @@ FILE *maps_summary(const struct maps *m)
 
 int maps_finish_chart(const struct maps *m, struct chart *c)
 {
-    const char *svg = options_text(&m->o, "svg", 0);
-    bool rows = scene_load_same(svg, options_text(&m->o, "out", 0)); /* a link to what was not there before */
-    FILE *f = rows ? NULL : fopen(svg, "w");
-    const char *why = f ? chart_end(c, f) : rows ? "this is --out; choose another" : strerror(errno);
-    if (f && fclose(f) && !why)
+    const char *svg = options_text(&m->o, "svg", 0), *why = NULL;
+    FILE *f = files_compose(svg);
+    if (f)
+        why = chart_end(c, f);
+    if (!f || (!files_finish(f, !why) && !why))
         why = strerror(errno);
     return why ? options_failure(m->o.usage, "--svg %s: %s; the rows are complete, give the same command",
                                  svg, why)

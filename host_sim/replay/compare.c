@@ -30,6 +30,7 @@ static const struct usage compare_usage = {
     .examples = "  contactplant compare golden.log now.log\n"
                 "  contactplant compare golden.log now.log \"penetration=0.1 um\" \"command_force=0.2 N\"\n",
     .min_words = 2,
+    .words_read = 2,
     .max_words = 2 + DECODE_SIGNALS,
     .table = {compare_options, scene_options},
 };

@@ -15,12 +15,12 @@
 #include <string.h>
 
 static const struct option decode_options[] = {
-    {"out", "FILE", "rows as CSV (standard output)", OPTION_TEXT, .initial = NULL},
-    {"events", "FILE", "contact events as CSV: time, kind, contact, speed, peak force", OPTION_TEXT,
+    {"out", "FILE", "rows as CSV (standard output)", OPTION_WRITES, .initial = NULL},
+    {"events", "FILE", "contact events as CSV: time, kind, contact, speed, peak force", OPTION_WRITES,
      .initial = NULL},
-    {"svg", "FILE", "also draw it: each signal over plant time", OPTION_TEXT, .initial = NULL},
+    {"svg", "FILE", "also draw it: each signal over plant time", OPTION_WRITES, .initial = NULL},
     {"report", "FILE", "a page with charts of rows and events, which opens in a browser without a network",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 
@@ -36,6 +36,7 @@ static const struct usage decode_usage = {
     .examples = "  contactplant decode run.log --out run.csv --events events.csv --svg run.svg\n"
                 "  contactplant decode field.log my.ini --base-id 0x240 | head\n",
     .min_words = 1,
+    .words_read = 1,
     .max_words = 2,
     .table = {decode_options, decode_log_options, scene_options},
 };
@@ -85,18 +86,16 @@ static void draw_signal(struct chart *c, const struct log_series *r, const struc
 static int draw(const struct log_series *r, const struct options *o, const struct model *m)
 {
     struct chart c;
-    FILE *f = fopen(options_text(o, "svg", 0), "w");
+    FILE *f = options_compose(o, "svg");
     if (!f)
-        return options_failure(o->usage, "--svg %s cannot be written: %s", options_text(o, "svg", 0),
-                               strerror(errno));
+        return STATUS_FAILED;
     chart_begin(&c, "contactplant decode", o->word[0]);
     chart_x_range(&c, r->bins.x[0], fmax(r->bins.last, r->bins.x[0] + 1e-9));
     for (int k = 0; k < decode_signals(m); k++)
         draw_signal(&c, r, m, k);
     chart_x_axis(&c, "plant time (s)");
     const char *why = chart_end(&c, f);
-    bool closed = fclose(f) == 0;
-    return why || !closed ? options_failure(o->usage, "--svg: %s", why ? why : "make room and run again") : 0;
+    return options_close(o, "svg", f, why);
 }
 
 static int print_rows(struct decode *d, const struct options *o, const struct model *m, FILE *out)
@@ -117,43 +116,24 @@ static int print_rows(struct decode *d, const struct options *o, const struct mo
     return options_given(o, "svg") && rows.n ? draw(&rows, o, m) : 0;
 }
 
-/* The file of an option, `other` without it; NULL after a message. */
-static FILE *open_out(const struct options *o, const char *option, FILE *other)
-{
-    const char *path = options_text(o, option, 0);
-    FILE *f = path ? fopen(path, "w") : other;
-    if (!f && path)
-        options_failure(o->usage, "--%s %s cannot be written: %s", option, path, strerror(errno));
-    return f;
-}
-
-static int close_out(const struct options *o, FILE *f)
-{
-    bool bad = f && ferror(f);
-    if (f && (f == stdout ? fflush(f) : fclose(f)))
-        bad = true;
-    return bad ? options_failure(o->usage, "cannot write the output; make room and run again") : 0;
-}
-
 static int decode_files(struct decode *d, const struct options *o, const struct model *m)
 {
-    FILE *out = open_out(o, "out", stdout), *events = out ? open_out(o, "events", NULL) : NULL;
-    if (!out || (!events && options_given(o, "events"))) {
-        if (out && out != stdout)
-            (void)fclose(out);
-        return STATUS_FAILED;
-    }
+    bool rows = options_given(o, "out"), told = options_given(o, "events");
+    FILE *out = rows ? options_create(o, "out") : stdout,
+         *events = out && told ? options_create(o, "events") : NULL;
+    bool opened = out && (events || !told);
     if (events)
         fputs("t_s,kind,contact,speed [m/s],peak_force [N]\n", events);
     d->heard = events ? put_event : NULL;
     d->context = events;
-    int status = print_rows(d, o, m, out), written = close_out(o, out), kept = close_out(o, events);
+    int status = opened ? print_rows(d, o, m, out) : STATUS_FAILED;
+    int written = out ? options_close(o, "out", out, NULL) : 0;
+    int kept = events ? options_close(o, "events", events, NULL) : 0;
     return status ? status : written ? written : kept;
 }
 
 int cmd_decode(int argc, char **argv)
 {
-    static const char *const files[] = {"out", "events", "svg", "report", NULL};
     static struct scene_app scene;
     static struct decode d;
     struct options o;
@@ -161,7 +141,6 @@ int cmd_decode(int argc, char **argv)
     if (!options_parse(&o, &decode_usage, argc, argv, &status))
         return status;
     status = decode_scene(&scene, &o, 1);
-    status = status ? status : scene_load_check_files(&o, scene.origin, 1, o.word[0], files);
     if (!status && !(status = open_log(&d, &o, o.word[0], &scene))) {
         status = decode_files(&d, &o, scene.config.model);
         if (!status)

@@ -35,6 +35,7 @@ static const struct usage replay_usage = {
                 "  contactplant replay run.log\n"
                 "  contactplant replay field.log --set preload_N=100 --rate 2000 --base-id 0x240\n",
     .min_words = 1,
+    .words_read = 1,
     .max_words = 2,
     .table = {replay_options, decode_log_options, scene_options},
 };

@@ -1,5 +1,6 @@
 /* html.c - see html.h. */
 #include "host_sim/report/html.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/shell.h"
 #include "host_sim/version.h"
 #include "host_sim/report/page.h"
@@ -81,7 +82,7 @@ const char *html_begin(struct html *h, const char *path, const char *command, co
 {
     char title[LINE];
     snprintf(title, sizeof title, "%s%s%s", command, name ? " " : "", name ? name : "");
-    *h = (struct html){.f = fopen(path, "w")};
+    *h = (struct html){.f = files_compose(path)};
     if (!h->f)
         return strerror(errno);
     fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -236,8 +237,5 @@ const char *html_end(struct html *h)
     put_file(h->f, PAGE_DRAW);
     put_file(h->f, PAGE_REPORT);
     fputs("</script>\n</body>\n</html>\n", h->f);
-    bool bad = ferror(h->f) != 0;
-    errno = 0;
-    bad = fclose(h->f) || bad;
-    return bad ? errno ? strerror(errno) : "not all was written" : NULL;
+    return files_finish(h->f, true) ? NULL : strerror(errno);
 }

@@ -31,7 +31,7 @@ enum {
 };
 
 static const struct option run_options[] = {
-    {"plants", "FILE", "many plants on one bus: a scene in each line; see above", OPTION_TEXT,
+    {"plants", "FILE", "many plants on one bus: a scene in each line; see above", OPTION_READS,
      .initial = NULL},
     {"duration", "S", "seconds to run (0: until Ctrl-C)", OPTION_NUMBER, 0.0, 1e9, .initial = "0"},
     {"overrun", "POLICY", "handling of missed frames: catch_up, skip, freeze or stop (catch_up)", OPTION_TEXT,
@@ -39,10 +39,10 @@ static const struct option run_options[] = {
     {.name = "realtime",
      .meaning = "lock memory, use SCHED_FIFO if granted, and poll for the last 100 us of a frame"},
     {"cpu", "N", "stay on this processor", OPTION_INTEGER, 0.0, 1023.0, .initial = NULL},
-    {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_TEXT,
+    {"log", "FILE", "record all traffic as a candump log, for contactplant replay", OPTION_WRITES,
      .initial = NULL},
     {"report", "FILE", "with --log: a page with its charts, which opens in a browser without a network",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_WRITES, .initial = NULL},
     {"log-limit", "MB", "end the log after this many megabytes, with a whole frame (0: never)", OPTION_NUMBER,
      0.0, 1e9, .initial = "0"},
     SCOPE_CONTROL,
@@ -471,11 +471,9 @@ static int start_session(struct session *s)
     const char *log = options_text(s->o, "log", 0);
     if (!log && options_given(s->o, "log-limit"))
         return options_misuse(s->o->usage, "--log-limit needs --log");
-    status = run_report_check(s->o, s->scene);
+    status = run_report_check(s->o);
     if (status)
         return status;
-    if (log && scene_load_is(s->scene->origin, s->o->n_words ? s->o->word[0] : "", log))
-        return options_misuse(s->o->usage, "--log %s is the scene itself; choose another", log);
     status = plants_start(&s->plants, &s->bus.hal, s->o);
     if (!status)
         status = test_itself(s);

@@ -6,7 +6,7 @@
 #include "host_sim/scene/scene_app.h"
 
 /* Whether --report can be, before the run. 0, or the exit status after a line. */
-int run_report_check(const struct options *o, const struct scene_app *s);
+int run_report_check(const struct options *o);
 
 /* Writes --report, if it was given, once --log is complete. 0, or the exit status after a line. */
 int run_report(const struct options *o, const struct scene_app *s, int argc, char **argv);

@@ -21,18 +21,6 @@ enum scene_origin scene_load_unstepped(const char *name, struct scene *s, char *
  * with stages is refused: their states are no part of a map. */
 enum scene_origin scene_load_cold(const char *name, struct scene *s, char *why);
 
-/* Two names of one file, by a link or with ./ in front, too; it need not be there yet. */
-bool scene_load_same(const char *a, const char *b);
-
-/* True when `path` is the file that a scene of this origin and name came from: not to be written to. */
-bool scene_load_is(enum scene_origin origin, const char *name, const char *path);
-
-/* Checks that the files of these options (NULL behind the last), which a command writes, are files of their
- * own. They are not the scene, which is word i_word, nor the file `read` (NULL: none). 0, or the exit status
- * after a line. */
-int scene_load_check_files(const struct options *o, enum scene_origin origin, int i_word, const char *read,
-                           const char *const *option);
-
 /* Whether facts of scene_load_warn are told: of every scene; of a bare model only where it is an averaged
  * one, whose fast drive is among its own parameters. One that is not fast makes its equation stiff without
  * bound. */

@@ -14,7 +14,7 @@ static const double settle_s = 1.0; /* for the other items of INFO, after the fi
 static const struct option scope_command_options[] = {
     SCOPE_HTTP,
     SCOPE_CONTROL,
-    {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_TEXT,
+    {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_WRITES,
      .initial = NULL},
     {"duration", "S", "end after this many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "0"},
@@ -78,7 +78,6 @@ static int check_id(const struct scope *s, const struct voice *v)
 /* The plant of word i, or the only one where there is no word. */
 static int add_word_plant(struct scope *s, int i)
 {
-    static const char *const files[] = {"log", NULL};
     const char *bus = options_text(s->o, "bus", 0), *peer = options_text(s->o, "peer", 0);
     struct options o = *s->o;
     char word[VOICE_NAME], why[SCENE_REASON];
@@ -90,8 +89,7 @@ static int add_word_plant(struct scope *s, int i)
     struct voice *v = ear_add(&s->ear, word);
     if (!v)
         return options_failure(&scope_usage, "out of memory");
-    if (!scene_from_options(&v->scene, &o, i) ||
-        scene_load_check_files(&o, v->scene.origin, i, NULL, files) != STATUS_DONE)
+    if (!scene_from_options(&v->scene, &o, i))
         return STATUS_MISUSED;
     if (has_id && !(id >= 0.0 && id <= 0x7FF - (WIRE_KINDS - 1) && fmod(id, WIRE_BASE_ALIGN) == 0.0))
         return options_misuse(&scope_usage, "%s: after @ stands a multiple of 0x%X up to 0x7C0", o.word[i],

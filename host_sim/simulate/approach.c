@@ -1,7 +1,6 @@
 /* approach.c - the subcommand `approach`: a force curve of an AFM lever, to the sample and back. */
 #include "host_sim/commands.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,9 +24,9 @@ static const struct option approach_options[] = {
     {"speed", "M/S", "speed of the base (1e-6)", OPTION_NUMBER, 1e-12, 1.0, .initial = "1e-6"},
     {"points", "N", "rows in each direction (500)", OPTION_INTEGER, 10.0, POINTS_MAX, .initial = "500"},
     {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
-    {"out", "FILE", "rows as CSV (standard output)", OPTION_TEXT, .initial = NULL},
-    {"tab", "FILE", "a force curve for afmformats, PyJibe and nanite (.tab)", OPTION_TEXT, .initial = NULL},
-    {"svg", "FILE", "a picture of deflection, amplitude and force over the base", OPTION_TEXT,
+    {"out", "FILE", "rows as CSV (standard output)", OPTION_WRITES, .initial = NULL},
+    {"tab", "FILE", "a force curve for afmformats, PyJibe and nanite (.tab)", OPTION_WRITES, .initial = NULL},
+    {"svg", "FILE", "a picture of deflection, amplitude and force over the base", OPTION_WRITES,
      .initial = NULL},
     {.name = NULL},
 };
@@ -68,7 +67,6 @@ struct approach {
 
 static int read_scene(struct approach *a)
 {
-    static const char *const files[] = {"out", "tab", "svg", NULL};
     char why[SCENE_REASON];
     a->origin = scene_load(a->o.word[0], &a->scene, why);
     if (a->origin == SCENE_OF_NOTHING)
@@ -80,8 +78,7 @@ static int read_scene(struct approach *a)
     const char *refused = scene_refuses_stages(&a->scene);
     if (refused)
         return options_misuse(&approach_usage, "%s: %s", a->o.word[0], refused);
-    int status = scene_load_check_files(&a->o, a->origin, 0, NULL, files);
-    return status ? status : scene_range_settings(&a->o, &a->scene);
+    return scene_range_settings(&a->o, &a->scene);
 }
 
 static int begin(struct approach *a)
@@ -174,28 +171,16 @@ static int move(struct approach *a)
 
 /* ---- what is written ---- */
 
-static FILE *create_file(struct approach *a, const char *option)
-{
-    const char *path = options_text(&a->o, option, 0);
-    FILE *f = fopen(path, "w");
-    if (!f)
-        (void)options_failure(&approach_usage, "cannot write --%s %s: choose another file", option, path);
-    return f;
-}
-
 static int write_rows(struct approach *a)
 {
-    FILE *f = options_given(&a->o, "out") ? create_file(a, "out") : stdout;
+    FILE *f = options_given(&a->o, "out") ? options_compose(&a->o, "out") : stdout;
     if (!f)
         return STATUS_FAILED;
     fprintf(f, "retract,base_m,deflection_m,force_N,amplitude_m,penetration_m\n");
     for (size_t i = 0; i < 2 * a->n; i++)
         fprintf(f, "%d,%.9g,%.9g,%.9g,%.9g,%.9g\n", i >= a->n, a->row[BASE][i], a->row[DEFLECTION][i],
                 a->row[FORCE][i], a->row[AMPLITUDE][i], a->row[PENETRATION][i]);
-    bool bad = fflush(f) != 0 || ferror(f);
-    if (f != stdout)
-        bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(&approach_usage, "--out is not complete: %s", strerror(errno)) : 0;
+    return options_close(&a->o, "out", f, NULL);
 }
 
 /* The tab-separated form of afmformats: metadata as JSON in comments, the last comment names the columns. The
@@ -205,7 +190,7 @@ static int write_tab(struct approach *a)
     double speed = options_number(&a->o, "speed"), k = a->si[LEVER_K];
     double time = (double)(a->ticks / a->n) * a->plant.tick_s / a->plant.dilation;
     struct json j;
-    FILE *f = create_file(a, "tab");
+    FILE *f = options_compose(&a->o, "tab");
     if (!f)
         return STATUS_FAILED;
     json_begin_file(&j, f);
@@ -223,9 +208,7 @@ static int write_tab(struct approach *a)
         fprintf(f, "%.8g\t%.8g\t%.8g\t%zu\t%s\t%.8g\t%.8g\n", k * deflection, base, base, i,
                 i >= a->n ? "True" : "False", ((double)i + 0.5) * time, base + deflection);
     }
-    bool bad = ferror(f) != 0;
-    bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(&approach_usage, "--tab is not complete: %s", strerror(errno)) : 0;
+    return options_close(&a->o, "tab", f, NULL);
 }
 
 static void panel(struct chart *c, struct approach *a, int column, double unit, const char *label)
@@ -244,7 +227,7 @@ static void panel(struct chart *c, struct approach *a, int column, double unit, 
 static int draw(struct approach *a)
 {
     struct chart c;
-    FILE *f = create_file(a, "svg");
+    FILE *f = options_compose(&a->o, "svg");
     if (!f)
         return STATUS_FAILED;
     for (size_t i = 0; i < 2 * a->n; i++)
@@ -256,10 +239,7 @@ static int draw(struct approach *a)
     panel(&c, a, FORCE, 1e9, "mean force of the sample (nN)");
     chart_x_axis(&c, "height of the base (nm)");
     const char *why = chart_end(&c, f);
-    bool bad = fclose(f) != 0;
-    return why || bad
-               ? options_failure(&approach_usage, "--svg is not complete: %s", why ? why : strerror(errno))
-               : 0;
+    return options_close(&a->o, "svg", f, why);
 }
 
 /* Where contact begins or ends, or why it does not, beside the closed form of a still lever (0: there is

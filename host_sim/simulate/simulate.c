@@ -14,7 +14,6 @@
 #include "models/math/elementary.h"
 #include "models/models.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,12 +45,12 @@ static const struct option simulate_options[] = {
     {"tol", "E", "tolerance of a method that has one (1e-12)", OPTION_NUMBER, METHOD_TOL_MIN, METHOD_TOL_MAX,
      .initial = "1e-12"},
     {.name = "force", .meaning = "run a step that the method refuses as too long; the output says so"},
-    {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_TEXT,
+    {"out", "FILE", "rows as CSV: time and states, 17 digits (standard output)", OPTION_WRITES,
      .initial = NULL},
-    {"events", "FILE", "contact events as CSV: time, kind, contact, side (1 or -1), states", OPTION_TEXT,
+    {"events", "FILE", "contact events as CSV: time, kind, contact, side (1 or -1), states", OPTION_WRITES,
      .initial = NULL},
     {"report", "FILE",
-     "a page with charts of the rows, its data inside; opens in a browser without a network", OPTION_TEXT,
+     "a page with charts of the rows, its data inside; opens in a browser without a network", OPTION_WRITES,
      .initial = NULL},
     {.name = NULL},
 };
@@ -430,31 +429,6 @@ static int run_rows(struct simulation *r)
     return status;
 }
 
-/* Opens a file to write; 0, or the exit status after a line. */
-static int open_file(const struct simulation *r, const char *option, FILE **f)
-{
-    const char *path = options_text(r->o, option, 0);
-    if (!path)
-        return 0;
-    *f = fopen(path, "w");
-    return *f ? 0
-              : options_failure(r->o->usage, "cannot write %s: %s; choose another --%s", path,
-                                strerror(errno), option);
-}
-
-static int close_file(const struct simulation *r, const char *option, FILE *f)
-{
-    if (f == stdout)
-        return 0; /* options_finish */
-    bool bad = f && (fflush(f) != 0 || ferror(f));
-    int error = errno;
-    if (f)
-        bad = fclose(f) != 0 || bad;
-    return bad ? options_failure(r->o->usage, "--%s is not complete: %s; make room and run again", option,
-                                 strerror(error))
-               : 0;
-}
-
 /* Reports whatever would refuse the run, before a file is touched; leaves the plant at the start. */
 static int try_plant(struct simulation *r)
 {
@@ -467,7 +441,6 @@ static int try_plant(struct simulation *r)
 
 static int prepare(struct simulation *r)
 {
-    static const char *const files[] = {"out", "events", "report", NULL};
     int status = simulate_read(r);
     if (status)
         return status;
@@ -486,9 +459,12 @@ static int prepare(struct simulation *r)
         return options_failure(r->o->usage, "out of memory");
     r->scratch_ahead = r->scratch + r->method->n_scratch(r->model) + 1;
     status = try_plant(r);
-    status = status ? status : scene_load_check_files(r->o, r->origin, 0, NULL, files);
-    status = status ? status : open_file(r, "out", &r->out);
-    return status ? status : open_file(r, "events", &r->events);
+    if (status)
+        return status;
+    r->out = options_given(r->o, "out") ? options_create(r->o, "out") : stdout;
+    bool events = r->out && options_given(r->o, "events");
+    r->events = events ? options_create(r->o, "events") : NULL;
+    return r->out && (r->events || !events) ? 0 : STATUS_FAILED;
 }
 
 /* The scene's name is optional: the first model is the default. */
@@ -528,8 +504,8 @@ int cmd_simulate(int argc, char **argv)
     status = status ? status : simulate_report_begin(&r, argc, argv);
     status = status ? status : run_rows(&r);
     bool cut = r.out && ferror(r.out);
-    int closed = r.out ? close_file(&r, "out", r.out) : 0;
-    int closed_events = close_file(&r, "events", r.events);
+    int closed = r.out ? options_close(&o, "out", r.out, NULL) : 0;
+    int closed_events = r.events ? options_close(&o, "events", r.events, NULL) : 0;
     status = simulate_report_end(&r, status);
     free(r.at);
     free(r.scratch);

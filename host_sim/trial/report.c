@@ -1,5 +1,6 @@
 /* report.c - see report.h. */
 #include "host_sim/trial/report.h"
+#include "host_sim/cli/files.h"
 
 #include <math.h>
 #include <unistd.h>
@@ -67,12 +68,6 @@ void report_print(FILE *out, const struct report_case *r, const char *options)
 
 /* ---- for programs ---- */
 
-static bool finish(FILE *f)
-{
-    bool good = !ferror(f);
-    return fclose(f) == 0 && good;
-}
-
 static void junit_case(FILE *f, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
@@ -123,7 +118,7 @@ static void junit_suite(FILE *f, const struct report_case *r, int n)
 
 bool report_junit(const char *path, const struct report_case *r, int n)
 {
-    FILE *f = fopen(path, "w");
+    FILE *f = files_compose(path);
     if (!f)
         return false;
     xml_put(f, XML_HEAD "<testsuites name='contactplant'");
@@ -134,7 +129,7 @@ bool report_junit(const char *path, const struct report_case *r, int n)
         junit_suite(f, &r[i], k - i);
     }
     xml_put(f, "</testsuites>\n");
-    return finish(f);
+    return files_finish(f, true);
 }
 
 static void json_outcome(struct json *j, const struct outcome *o)
@@ -167,7 +162,7 @@ static void json_case(struct json *j, const struct report_case *r)
 bool report_json(const char *path, const struct report_case *r, int n)
 {
     struct json j;
-    FILE *f = fopen(path, "w");
+    FILE *f = files_compose(path);
     if (!f)
         return false;
     json_begin_file(&j, f);
@@ -175,5 +170,5 @@ bool report_json(const char *path, const struct report_case *r, int n)
     for (int i = 0; i < n; i++)
         json_case(&j, &r[i]);
     json_put(&j, "\n]}\n");
-    return finish(f);
+    return files_finish(f, true);
 }

@@ -1,8 +1,10 @@
 /* test.c - contactplant test: reads test files, runs their cases side by side, and reports. */
 #include "host_sim/commands.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/shell.h"
+#include "host_sim/trial/bench/controller.h"
 #include "host_sim/trial/bench/device.h"
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
@@ -26,13 +28,13 @@ enum { TEST_FILES_MAX = OPTIONS_WORDS, RUNS_MAX = 100000, REPORTS_MAX = 2000, ST
 static const struct option test_options[] = {
     {"case", "NAME", "run this case only; repeatable", OPTION_TEXT, .many = true},
     {"seed", "N", "run each case with this seed only", OPTION_INTEGER, 0.0, 4294967295.0, .initial = NULL},
-    {"log", "DIR", "record each run and what its controller prints into this folder", OPTION_TEXT,
+    {"log", "DIR", "record each run and what its controller prints into this folder", OPTION_FOLDER,
      .initial = NULL},
-    {"junit", "FILE", "also report as JUnit XML", OPTION_TEXT, .initial = NULL},
-    {"json", "FILE", "also report as JSON, with the value of every expectation", OPTION_TEXT,
+    {"junit", "FILE", "also report as JUnit XML", OPTION_WRITES, .initial = NULL},
+    {"json", "FILE", "also report as JSON, with the value of every expectation", OPTION_WRITES,
      .initial = NULL},
     {"report", "FILE", "a page with verdicts and, with --log, charts around what failed; opens in a browser",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_WRITES, .initial = NULL},
     {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
      .initial = NULL},
     {"shard", "I/N", "only the I-th of N shares of the cases (1/1)", OPTION_TEXT, .initial = "1/1"},
@@ -70,6 +72,7 @@ static const struct usage test_usage = {
                 "  contactplant test keep.test --realtime --bus can:can0   a board, say\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
+    .words_read = OPTIONS_WORDS,
     .table = {test_options},
 };
 
@@ -93,6 +96,30 @@ static bool load_scene(const char *file, const char *name, struct scene *s, char
     bench_scene_path(file, name, path);
     bool bare = access(path, F_OK) != 0 && access(name, F_OK) != 0; /* then its name tells the nearest */
     return scene_load(bare ? name : path, s, why) != SCENE_OF_NOTHING;
+}
+
+/* A word of the test file that names a file is an input, too. 0, or the exit status after a line. */
+static int take_input(const struct tests *t, const struct trial *trial, const char *name, const char *what)
+{
+    char path[BENCH_PATH], why[FILES_REASON];
+    bench_scene_path(trial->file, name, path);
+    return !access(path, F_OK) && !files_reads(path, what, why) ? options_misuse(t->o->usage, "%s", why) : 0;
+}
+
+/* Golden logs, and the files that the controller's command names. */
+static int take_inputs(const struct tests *t, const struct trial *trial)
+{
+    static const char between[] = " \t'\"`$(){};&|<>=";
+    char command[TRIAL_VALUE], *rest = NULL;
+    int status = 0;
+    for (int k = 0; k < trial->n_cases && !status; k++)
+        if (*trial->cases[k].golden)
+            status = take_input(t, trial, trial->cases[k].golden, "a golden log of this test");
+    snprintf(command, sizeof command, "%s", trial->command);
+    for (char *word = strtok_r(command, between, &rest); word && !status;
+         word = strtok_r(NULL, between, &rest))
+        status = take_input(t, trial, word, "part of the controller's command");
+    return status;
 }
 
 static int read_file(struct tests *t, int i)
@@ -121,7 +148,7 @@ static int read_file(struct tests *t, int i)
         if (!(t->trial[i]->loops ? bench_afm_approve : bench_approve)(t->trial[i], &t->trial[i]->cases[k],
                                                                       why))
             status = options_misuse(t->o->usage, "%s", why);
-    return status;
+    return status ? status : take_inputs(t, t->trial[i]);
 }
 
 /* The cases of --shard stay, and their runs get their numbers. */
@@ -258,6 +285,26 @@ static bool compute(void *context, int run, FILE *rows)
     identify(t, run, &r);
     (trial->loops ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
+}
+
+/* Before anything runs: no run records over an input or another output. 0, or the exit status after a line.
+ */
+static int check_records(const struct tests *t)
+{
+    static const char *const ends[] = {".log", ".csv", ".controller.txt"};
+    static struct bench_result r;
+    const char *log = options_text(t->o, "log", 0);
+    char path[BENCH_PATH], why[FILES_REASON];
+    for (int run = 0; log && run < t->n_runs; run++) {
+        const struct bench_setting s = {.trial = t->report[report_of(t, run)].trial, .log = log};
+        identify(t, run, &r);
+        for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+            controller_log_path(&s, &r, ends[i], path);
+            if (!files_take_in(log, path + strlen(log) + 1, why))
+                return options_misuse(t->o->usage, "%s", why);
+        }
+    }
+    return 0;
 }
 
 static void show_progress(const struct tests *t)
@@ -431,17 +478,8 @@ static int prepare(struct tests *t)
     for (int i = 0; i < t->o->n_words && !status; i++)
         status = read_file(t, i);
     status = status ? status : check_addresses(t);
-    return status ? status : pick_cases(t);
-}
-
-/* No file that is read may be written to. 0, or the exit status after a line. */
-static int check_files(const struct options *o)
-{
-    static const char *const files[] = {"junit", "json", "report", NULL};
-    int status = 0;
-    for (int i = 0; i < o->n_words && !status; i++)
-        status = scene_load_check_files(o, SCENE_OF_NOTHING, i, o->word[i], files);
-    return status;
+    status = status ? status : pick_cases(t);
+    return status ? status : check_records(t);
 }
 
 int cmd_test(int argc, char **argv)
@@ -452,8 +490,7 @@ int cmd_test(int argc, char **argv)
     if (!options_parse(&o, &test_usage, argc, argv, &status))
         return status;
     t.o = &o;
-    status = check_files(&o);
-    status = status ? status : prepare(&t);
+    status = prepare(&t);
     status = status ? status : run_all(&t);
     if (t.n_reports && t.printed == t.n_reports && trial_html(&o, argc, argv, t.report, t.n_reports))
         status = STATUS_FAILED;

@@ -296,9 +296,9 @@ echo "--- failures: status 1"
 refuses 1 "no such plant\|no plant answers" send --bus udp:$port --peer 127.0.0.1:$((port + 9)) start
 refuses 1 "heard nothing" monitor --bus udp:$port --peer 127.0.0.1:$((port + 9)) --duration 0.2
 refuses 1 "nosuch0" run --bus can:nosuch0
-refuses 1 "nosuch" run --bus udp:$port --log "$dir/nosuch/run.log"
+refuses 2 "nosuch" run --bus udp:$port --log "$dir/nosuch/run.log"
 refuses 1 "nosuch" replay "$dir/nosuch.log"
-refuses 1 "nosuch" simulate --out "$dir/nosuch/x.csv"
+refuses 2 "nosuch" simulate --out "$dir/nosuch/x.csv"
 refuses 1 "out is not complete" simulate --set xi=0 --until 1000 --every 0.1 --out /dev/full
 refuses 1 "events is not complete" simulate --set xi=0 --state 2,0 --at 20 --out "$dir/x.csv" --events /dev/full
 plant first $port
@@ -605,14 +605,15 @@ refuses 2 "give I/N with 1 <= I <= N" sweep rig --shard 3/2
 "$program" sweep rig --shard 2/3 --out "$dir/empty.csv" 2>"$dir/err"
 is "a share beyond the jobs, status" $? 0
 is "is an empty file" "$(wc -c <"$dir/empty.csv")" 0
-refuses 2 "can be written" sweep rig --out "$dir/nosuch/x.csv"
+refuses 2 "cannot write --out" sweep rig --out "$dir/nosuch/x.csv"
 "$program" scene rig >"$dir/swept.ini"
 refuses 2 "scene itself" sweep "$dir/swept.ini" --out "$dir/swept.ini"
 set -- sweep rig --sweep force.frequency=150:160:2 --settle 10
 "$program" "$@" --out "$dir/swept.csv"
 cp "$dir/swept.csv" "$dir/copy.csv"
 refuses 2 "not of this run" "$@" --harmonics 1 --out "$dir/swept.csv"
-refuses 1 "rows are complete" "$@" --out "$dir/swept.csv" --svg "$dir/nosuch/x.svg"
+refuses 2 "cannot write --svg" "$@" --out "$dir/swept.csv" --svg "$dir/nosuch/x.svg"
+refuses 1 "rows are complete" "$@" --out "$dir/swept.csv" --svg /dev/full
 cmp -s "$dir/swept.csv" "$dir/copy.csv"
 verdict "what is refused changes no row" $?
 "$program" "$@" --out "$dir/swept.csv" --svg "$dir/swept.svg"
@@ -645,9 +646,9 @@ ln -s joined.csv "$dir/link.csv"
 refuses 2 "choose two files" "$@" --out "$dir/joined.csv" --svg "$dir/link.csv"
 refuses 2 "choose two files" "$@" --out "$dir/new.csv" --svg "$dir/./new.csv"
 ln -s new.csv "$dir/ahead.csv" # a link to what is not there yet
-refuses 1 "this is --out; choose another" "$@" --out "$dir/new.csv" --svg "$dir/ahead.csv"
-cmp -s "$dir/new.csv" "$dir/joined.csv"
-verdict "and the rows are there" $?
+refuses 2 "choose two files" "$@" --out "$dir/new.csv" --svg "$dir/ahead.csv"
+[ ! -e "$dir/new.csv" ]
+verdict "and nothing is made" $?
 set -- sweep rig --sweep force.frequency=150:200:10 --settle 5000
 "$program" "$@" >"$dir/whole.csv"
 "$program" "$@" --out "$dir/shared.csv" 2>"$dir/shared.err" &
@@ -681,7 +682,7 @@ refuses 2 "piecewise linear" stability --method exact
 refuses 2 "noise is held" stability nayak-random --map contact --y zeta=0.1:0.2:3
 refuses 2 "give --out too" stability --svg "$dir/x.svg"
 refuses 2 "scene itself" stability "$dir/swept.ini" --out "$dir/swept.ini"
-refuses 2 "can be written" stability --out "$dir/nosuch/x.csv"
+refuses 2 "cannot write --out" stability --out "$dir/nosuch/x.csv"
 refuses 2 "give I/N with 1 <= I <= N" stability --shard 102/101
 refuses 2 "something is missing" random
 refuses 2 "no input of this scene has noise" random rig
@@ -694,7 +695,7 @@ refuses 2 "more than a plant takes; give at most" random nayak-random --set forc
 refuses 2 "not a whole number of steps" random nayak-random --set force.noise_hold=0.11
 refuses 2 "piecewise linear" random nayak-random --method exact
 refuses 2 "choose two files" random nayak-random --out "$dir/x.csv" --svg "$dir/x.csv"
-refuses 2 "can be written" random nayak-random --out "$dir/nosuch/x.csv"
+refuses 2 "cannot write --out" random nayak-random --out "$dir/nosuch/x.csv"
 # resumes LINES COMMAND...: interrupted, gone on with, cut off and in shards it is the same file; another run's is left.
 resumes() {
     n_lines=$1
@@ -746,7 +747,7 @@ has "and drawn" "$dir/m.svg" "closed form"
 "$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --statistics /dev/full >"$dir/out" 2>"$dir/err"
 is "a full disk for the sums, status" $? 1
 has "a full disk for the sums, said" "$dir/err" "the rows are complete"
-"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg "$dir/nosuch/x.svg" >"$dir/out" 2>"$dir/err"
+"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
 is "no place for the picture, status" $? 1
 has "no place for the picture, said" "$dir/err" "the rows are complete, give the same command"
 "$program" stability hertz_rig >/dev/full 2>"$dir/err"
@@ -881,7 +882,7 @@ done
 refuses 2 "exact is for piecewise linear" run rig --method exact
 refuses 2 "exact is for piecewise linear" simulate rig --method exact
 echo kept >"$dir/kept.csv"
-refuses 2 "exact is for piecewise linear" simulate "$dir/rig.ini" --method exact --out "$dir/kept.csv" --events "$dir/kept.csv"
+refuses 2 "exact is for piecewise linear" simulate "$dir/rig.ini" --method exact --out "$dir/kept.csv"
 is "a refused run leaves its files alone" "$(cat "$dir/kept.csv")" kept
 refuses 2 "is the scene itself" simulate "$dir/rig.ini" --out "$dir/rig.ini"
 refuses 2 "mass_kg is given twice" simulate rig --set mass_kg=1 --set mass_kg=2
@@ -895,7 +896,7 @@ refuses 2 "out of range" simulate tapping --set quality=0.1
 refuses 2 "is no AFM lever" approach rig
 refuses 2 "not below the scene" approach soft --to 1e-3
 refuses 2 "give a --speed" approach soft --speed 1e-12
-refuses 1 "cannot write --out" approach soft --out "$dir/no/such.csv"
+refuses 2 "cannot write --out" approach soft --out "$dir/no/such.csv"
 refuses 2 "choose two files" approach soft --out "$dir/x.csv" --tab "$dir/x.csv"
 "$program" approach soft --points 100 --set temperature="0 K" --set height="60 nm" --speed 1e-7 --out "$dir/curve.csv" \
     --svg "$dir/curve.svg" --tab "$dir/curve.tab" >"$dir/err"
@@ -921,7 +922,7 @@ print(min(float(r["force"]) for r in rows) * 1e9)
 EOF
 near "approach: .tab read back, pull-off force, nN" "$(/usr/bin/python3 "$dir/tab.py" "$dir/curve.tab")" -3.9 0.3
 has "approach: pull-off within 1 % of 19.755 nm" "$dir/err" "ends with the base at 19\\.[67]"
-refuses 1 "cannot write --tab" approach soft --points 10 --tab "$dir/no/such.tab" --out "$dir/curve.csv"
+refuses 2 "cannot write --tab" approach soft --points 10 --tab "$dir/no/such.tab" --out "$dir/curve.csv"
 echo "--- the microscope"
 refuses 2 "is no AFM lever" scan rig
 refuses 2 "is no AFM lever" thermal rig
@@ -943,7 +944,7 @@ refuses 1 "cannot make the directory" scan --out "$dir/no/such"
 refuses 1 "has not found the surface" scan --set z_loop=2 --set drive=0 --set setpoint="-30 nm" --out "$dir/scan"
 refuses 2 "at 0 K" thermal --set temperature="0 K"
 refuses 2 "fewer than two segments" thermal --seconds 0.001
-refuses 1 "cannot write --out" thermal --seconds 0.25 --out "$dir/no/such.csv"
+refuses 2 "cannot write --out" thermal --seconds 0.25 --out "$dir/no/such.csv"
 cat >"$dir/stage.ini" <<'EOF'
 [plant]
 model = hertz_rig
@@ -1197,7 +1198,7 @@ refuses 2 "fewer than 4 steps" choose rig --sweep force=100,20000,3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
 "$program" choose kb-fig16 --out "$dir/nowhere/x.ini" >"$dir/out" 2>"$dir/err"
 is "a file that cannot be written is no verdict, status" $? 2
-has "it says which" "$dir/err" "cannot write $dir/nowhere/x.ini: .*; choose another --out"
+has "it says which" "$dir/err" "cannot write --out $dir/nowhere/x.ini: .*; choose another"
 "$program" scene tapping | sed 's/^over = 10 ms/over = 2 ms/' >"$dir/tapping.ini"
 "$program" choose "$dir/tapping.ini" --out "$dir/lever.ini" >"$dir/out" 2>"$dir/err"
 is "a lever, status" $? 0

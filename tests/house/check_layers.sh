@@ -50,6 +50,13 @@ if [ -n "$silent" ]; then
 else
     echo "ok    each source begins with its name and what it is"
 fi
+# What is written keeps what is read: outputs are opened in one place, which knows both.
+if find host_sim -name '*.c' ! -path host_sim/cli/files.c | xargs grep -nE 'fopen\([^"]*"[wa]|"r\+|O_CREAT|\<(creat|freopen|truncate|mkstemp)\('; then
+    echo "FAIL  a file is opened to write outside host_sim/cli/files.c: use files_create or files_compose"
+    bad=1
+else
+    echo "ok    host_sim opens files to write in host_sim/cli/files.c alone"
+fi
 # A room that one can look over.
 full=$(find models firmware hal host_sim tests -name '*.c' | sed 's|/[^/]*$||' | sort | uniq -c | awk '$1 > 15 {print $2 " (" $1 ")"}')
 if [ -n "$full" ]; then

@@ -1,6 +1,7 @@
 /* basin_report.c - the rows of a basin map as a table of
  * attractors on standard output, their picture and page. */
 #include "host_sim/maps/basin/basin.h"
+#include "host_sim/cli/files.h"
 
 #include <errno.h>
 #include <string.h>
@@ -96,14 +97,14 @@ static int draw(const struct report *r)
 {
     const struct usage *u = r->b->m.o.usage;
     const char *svg = options_text(&r->b->m.o, "svg", 0);
-    FILE *f = svg ? fopen(svg, "w") : NULL;
+    FILE *f = svg ? files_compose(svg) : NULL;
     if (!svg)
         return 0;
     if (!f)
         return options_failure(u, "--svg %s: %s; the rows are whole: give --rows %s with another", svg,
                                strerror(errno), r->path);
     const char *why = basin_draw(r->b, &r->clusters, r->row, r->n, f);
-    if (fclose(f) && !why)
+    if (!files_finish(f, !why) && !why)
         why = strerror(errno);
     return why ? options_failure(u, "--svg %s: %s; make room and give --rows %s", svg, why, r->path) : 0;
 }

@@ -14,7 +14,7 @@ static const struct option random_options[] = {
     {"range", "LOW:HIGH", "range of the observable (its mean and six standard deviations to both sides)",
      OPTION_TEXT, .initial = NULL},
     {"bins", "N", "number of equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
-    {"statistics", "FILE", "the statistics of all realisations as CSV", OPTION_TEXT, .initial = NULL},
+    {"statistics", "FILE", "the statistics of all realisations as CSV", OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 

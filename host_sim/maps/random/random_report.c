@@ -1,5 +1,6 @@
 /* random_report.c - statistics over all realisations beside the closed form: a CSV and a picture. */
 #include "host_sim/maps/random/random.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/out/cell.h"
 
 #include <errno.h>
@@ -168,15 +169,13 @@ static int write_statistics(const struct report *p)
 {
     const struct options *o = &p->r->m.o;
     const char *path = options_text(o, "statistics", 0);
-    FILE *f = path ? fopen(path, "w") : NULL;
+    FILE *f = path ? files_compose(path) : NULL;
     if (!path)
         return 0;
     if (f)
         print(p, f);
-    bool bad = !f || ferror(f);
-    if (f && fclose(f))
-        bad = true;
-    return bad ? options_failure(o->usage,
+    return !f || !files_finish(f, true)
+               ? options_failure(o->usage,
                                  "--statistics %s: %s; the rows are complete, give the same command", path,
                                  strerror(errno))
                : 0;

@@ -21,7 +21,7 @@ static const struct option sweep_options[] = {
     {"bracket", "E", "width of a jump's bracket, relative to its place (1e-4)", OPTION_NUMBER, 1e-9, 1e-1,
      .initial = "1e-4"},
     {"report", "FILE", "a page with charts of the rows in --out, which opens in a browser without a network",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_WRITES, .initial = NULL},
     {.name = NULL},
 };
 

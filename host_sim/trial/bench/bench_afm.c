@@ -9,6 +9,7 @@
 #include "firmware/plant/hash.h"
 #include "host_sim/afm/afm_bench.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/trial/bench/controller.h"
 #include "host_sim/trial/trial_afm.h"
@@ -190,7 +191,7 @@ static bool open_log(struct bench_afm *b, const struct bench_setting *s, struct 
     if (!s->log)
         return true;
     controller_log_path(s, r, ".csv", path);
-    b->log = fopen(path, "w");
+    b->log = files_create(path);
     if (!b->log)
         return controller_fail(r, "--log: cannot write %.400s: %s", path, strerror(errno));
     fprintf(b->log, "time_s");

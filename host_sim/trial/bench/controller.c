@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/shell.h"
 #include "host_sim/scene/scene_keys.h"
 #include "models/afm_lever.h"
@@ -164,7 +165,7 @@ bool controller_start(struct controller *c, const struct bench_setting *s, const
         snprintf(folder, sizeof folder, "/");
     if (s->log) {
         controller_log_path(s, r, ".controller.txt", path);
-        c->output = fopen(path, "w");
+        c->output = files_create(path);
         if (!c->output)
             return controller_fail(r, "--log: cannot write %.400s%s", path, "");
     }
