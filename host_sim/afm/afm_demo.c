@@ -147,8 +147,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Greys between the 2nd and the 98th percentile, as a PNG in memory. */
-static char *grey_of(const float *value, const struct scan_image *m, size_t *size)
+/* Greys between the 2nd and the 98th percentile, as a PNG in memory; black and white are at range[2]. */
+static char *grey_of(const float *value, const struct scan_image *m, size_t *size, double range[2])
 {
     size_t n = m->pixels * m->lines;
     char *bytes = NULL;
@@ -159,6 +159,7 @@ static char *grey_of(const float *value, const struct scan_image *m, size_t *siz
         memcpy(sorted, value, n * sizeof *sorted);
         qsort(sorted, n, sizeof *sorted, compare);
         float low = sorted[n / 50], high = sorted[n - 1 - n / 50], span = high > low ? high - low : 1.0f;
+        range[0] = (double)low, range[1] = (double)high;
         for (size_t i = 0; i < n; i++) {
             float part = (value[i] - low) / span;
             grey[i] = (unsigned char)(part < 0.0f ? 0.0f : part > 1.0f ? 255.0f : 255.0f * part);
@@ -172,21 +173,31 @@ static char *grey_of(const float *value, const struct scan_image *m, size_t *siz
     return bytes;
 }
 
+/* Each image is a unit wide and stands as high as it is wide; its name and its greys are above it. */
 static void draw_images(struct afm_demo *d)
 {
     static const struct {
         enum scan_channel channel;
-        const char *name;
-    } shown[IMAGES] = {
-        {SCAN_HEIGHT, "height"}, {SCAN_ERROR, "error"}, {SCAN_PHASE, "phase: the disc takes energy"}};
+        const char *name, *unit;
+        double factor;
+    } shown[IMAGES] = {{SCAN_HEIGHT, "height", "nm", 1e9},
+                       {SCAN_ERROR, "error", "nm", 1e9},
+                       {SCAN_PHASE, "phase (disc takes energy)", "rad", 1.0}};
+    const double edge = 0.01, size_um = d->bench.number[STATION_SCAN_WIDTH] * 1e6;
+    char label[96], heading[96];
+    snprintf(label, sizeof label,
+             "images of the trace, black to white, %g \xC2\xB5m wide each: y (\xC2\xB5m)", size_um);
     chart_x_range(&d->chart, 0.0, IMAGES);
-    chart_panel(&d->chart, "images of the trace, 1 \xC2\xB5m by 1 \xC2\xB5m", 320.0, 0.0, 1.0);
+    chart_panel(&d->chart, label, 322.0, 0.0, 1.09 * size_um);
     for (int i = 0; i < IMAGES; i++) {
         size_t size = 0;
-        char *png = grey_of(d->image.value[0][shown[i].channel], &d->image, &size);
+        double range[2] = {0.0, 0.0};
+        char *png = grey_of(d->image.value[0][shown[i].channel], &d->image, &size, range);
         if (png)
-            chart_image(&d->chart, i + 0.01, i + 0.99, 0.01, 0.92, png, size);
-        chart_span(&d->chart, i, i + 1.0, shown[i].name, CHART_NONE);
+            chart_image(&d->chart, i + edge, i + 1.0 - edge, 0.0, size_um, png, size);
+        snprintf(heading, sizeof heading, "%s, %.3g to %.3g %s", shown[i].name, shown[i].factor * range[0],
+                 shown[i].factor * range[1], shown[i].unit);
+        chart_span(&d->chart, i, i + 1.0, heading, CHART_NONE);
         free(png);
     }
 }

@@ -14,7 +14,7 @@
 #include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 
-enum { NAME = 64, MEMORY_MAX = 1 << 28 /* values */ };
+enum { NAME = 64, DOTS_MOST = 4096, MEMORY_MAX = 1 << 28 /* values */ };
 
 static const struct option scan_options[] = {
     {"set", "NAME=VALUE", "a number of microscope or lever, with its unit; repeatable", OPTION_TEXT,
@@ -191,24 +191,41 @@ static int write_gsf(struct afm_bench *b, const struct scan_image *m, int back, 
     return f ? finish(b, f, gsf_write(f, &g)) : STATUS_FAILED;
 }
 
+/* The size of a picture with square dots: the finer of the two steps is a dot. A picture that would be too
+ * large has a dot for each value. */
+static void find_dots(const struct afm_bench *b, const struct scan_image *m, size_t *wide, size_t *high)
+{
+    double step_x = b->number[STATION_SCAN_WIDTH] / (double)m->pixels,
+           step_y = b->number[STATION_SCAN_LENGTH] / (double)m->lines, dot = fmin(step_x, step_y);
+    *wide = m->pixels;
+    *high = m->lines;
+    if (!(fmax(step_x * (double)m->pixels, step_y * (double)m->lines) <= DOTS_MOST * dot))
+        return;
+    *wide = (size_t)fmax(1.0, round(step_x * (double)m->pixels / dot));
+    *high = (size_t)fmax(1.0, round(step_y * (double)m->lines / dot));
+}
+
 /* Black is the least value, white the largest. */
 static int write_png(struct afm_bench *b, const struct scan_image *m, const float *value, const char *stem)
 {
     char name[NAME + 8];
-    size_t n = m->pixels * m->lines;
+    size_t n = m->pixels * m->lines, wide, high_dots;
     float low = value[0], high = value[0];
-    unsigned char *grey = malloc(n);
+    find_dots(b, m, &wide, &high_dots);
+    unsigned char *grey = malloc(wide * high_dots);
     if (!grey)
         return options_failure(b->usage, "out of memory");
     for (size_t i = 0; i < n; i++) {
         low = value[i] < low ? value[i] : low;
         high = value[i] > high ? value[i] : high;
     }
-    for (size_t i = 0; i < n; i++)
-        grey[i] = (unsigned char)(high > low ? 255.0f * (value[i] - low) / (high - low) : 0.0f);
+    for (size_t i = 0; i < wide * high_dots; i++) {
+        float v = value[i / wide * m->lines / high_dots * m->pixels + i % wide * m->pixels / wide];
+        grey[i] = (unsigned char)(high > low ? 255.0f * (v - low) / (high - low) : 0.0f);
+    }
     snprintf(name, sizeof name, "%s.png", stem);
     FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
-    int status = f ? finish(b, f, png_write(f, grey, m->pixels, m->lines)) : STATUS_FAILED;
+    int status = f ? finish(b, f, png_write(f, grey, wide, high_dots)) : STATUS_FAILED;
     free(grey);
     return status;
 }

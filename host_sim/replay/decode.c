@@ -63,6 +63,7 @@ static void put_event(void *context, const struct decode_event *e)
 static void draw_signal(struct chart *c, const struct log_series *r, const struct model *m, int k)
 {
     const struct decimate *d = &r->bins;
+    double lows[DECIMATE_BINS], highs[DECIMATE_BINS];
     char name[DECODE_NAME], label[2 * DECODE_NAME];
     double low = (double)INFINITY, high = -(double)INFINITY, from, to;
     bool beyond = k < DECODE_OUTPUTS && r->n_beyond[k];
@@ -70,17 +71,23 @@ static void draw_signal(struct chart *c, const struct log_series *r, const struc
     chart_range_add(&low, &high, d->high[k], d->n);
     if (!(low <= high) && !beyond)
         return; /* nothing was said of it */
-    chart_range_finish(&low, &high);
     decode_name(m, k, name);
-    snprintf(label, sizeof label, "%s (%s)", name, decode_signal(m, k)->unit);
+    double factor =
+        chart_label(label, sizeof label, name, decode_signal(m, k)->unit, fmax(fabs(low), fabs(high)));
+    for (size_t i = 0; i < d->n; i++) {
+        lows[i] = factor * d->low[k][i];
+        highs[i] = factor * d->high[k][i];
+    }
+    low *= factor, high *= factor;
+    chart_range_finish(&low, &high);
     chart_panel(c, label, 90.0, low, high);
     for (size_t i = 0; beyond && log_series_next(r, k, &i, &from, &to);)
         chart_span(c, from, to, NULL, CHART_RED);
     if (beyond)
         chart_legend(c, CHART_RED, "beyond the bus's range");
-    chart_band(c, d->x, d->low[k], d->high[k], d->n, CHART_BLUE, NULL);
-    chart_line(c, d->x, d->high[k], d->n, CHART_BLUE, NULL);
-    chart_line(c, d->x, d->low[k], d->n, CHART_BLUE, NULL);
+    chart_band(c, d->x, lows, highs, d->n, CHART_BLUE, NULL);
+    chart_line(c, d->x, highs, d->n, CHART_BLUE, NULL);
+    chart_line(c, d->x, lows, d->n, CHART_BLUE, NULL);
 }
 
 static int draw(const struct log_series *r, const struct options *o, const struct model *m)

@@ -980,6 +980,7 @@ grating="--set surface=2 --set pixels=32 --set lines=6 --set pixel_s=3e-3"
 is "scan, status" $? 0
 has "scan: verdict" "$dir/err" "largest force .* nN, 0 crashes"
 is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error height peak_force phase; do echo $i.gsf $i.png ${i}_back.gsf ${i}_back.png; done | xargs)"
+is "scan: 32 x 6 values of a square micrometre are 32 x 32 square dots" "$(od -An -tu1 -j16 -N8 "$dir/scan/height.png" | xargs)" "0 0 0 32 0 0 0 32"
 "$program" scan $grating --set surface_height="4 nm" --out "$dir/again" 2>/dev/null
 diff -r "$dir/scan" "$dir/again" >"$dir/out"
 verdict "scan: the same seed gives the same bytes" $? "$(cat "$dir/out")"

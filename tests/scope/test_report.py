@@ -168,11 +168,11 @@ def basin(browser, folder):
     told = run("basin", "shaft-fig16-705", "--starts", "200", "--out", out, "--report", page).stdout
     rows, data, groups = table(out), data_of(page), {}
     for r in rows:
-        groups.setdefault((r["period"], f"{float(r['peak_position1']):.2g}"), []).append(r)
+        groups.setdefault((r["period"], f"{float(r['peak_position1_m']):.2g}"), []).append(r)
     groups = sorted(groups.values(), key=len, reverse=True)
     shown = [s for s in data["sections"] if s["kind"] == "chart"]
     for i, chart in enumerate(shown, 1):
-        wanted = [[(float(r[f"position{i}"]), float(r[f"velocity{i}"])) for r in g] for g in groups]
+        wanted = [[(float(r[f"x{i}_m"]), float(r[f"v{i}_m_per_s"])) for r in g] for g in groups]
         check(f"basin: {chart['title']} has the starts of the CSV, by attractor",
               [list(zip(layer["x"], layer["y"])) for layer in chart["layers"]] == wanted, [len(w) for w in wanted])
     cells = [r["cells"] for s in data["sections"] if s.get("title") == "Attractors" for r in s["rows"]]
