@@ -8,34 +8,17 @@
 
 static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
 
-void shell_pass(struct shell_place *p, char c)
-{
-    if (p->escaped)
-        p->escaped = false;
-    else if (c == '\\' && p->quote != '\'')
-        p->escaped = true;
-    else if (p->quote)
-        p->quote = c == p->quote ? 0 : p->quote;
-    else if (c == '\'' || c == '"')
-        p->quote = c;
-}
-
-bool shell_is_protected(const struct shell_place *p)
-{
-    return p->quote || p->escaped;
-}
-
 /* The length of the first word; 0 where an operator makes the line more than one command. */
 static size_t first_word(const char *line)
 {
-    struct shell_place at = {0, false};
+    struct quotes at = {0, false};
     size_t n = 0, i = 0;
     for (; line[i]; i++) {
-        if (!shell_is_protected(&at) && strchr(";&|(){}!`\n", line[i]))
+        if (!quotes_protect(&at) && strchr(";&|(){}!`\n", line[i]))
             return 0;
-        if (!n && !shell_is_protected(&at) && strchr(" \t", line[i]))
+        if (!n && !quotes_protect(&at) && strchr(" \t", line[i]))
             n = i;
-        shell_pass(&at, line[i]);
+        quotes_pass(&at, line[i]);
     }
     return n ? n : i;
 }
@@ -78,7 +61,7 @@ static void put_double(FILE *f, const char *text)
     }
 }
 
-void shell_put(FILE *f, struct shell_place at, const char *text)
+void shell_put(FILE *f, struct quotes at, const char *text)
 {
     if (at.quote == '"') {
         put_double(f, text);
@@ -96,5 +79,5 @@ void shell_put(FILE *f, struct shell_place at, const char *text)
 void shell_put_word(FILE *f, const char *word)
 {
     fputc(' ', f);
-    shell_put(f, (struct shell_place){0, false}, word);
+    shell_put(f, (struct quotes){0, false}, word);
 }

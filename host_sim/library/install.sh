@@ -63,7 +63,7 @@ pages=$(find docs -type d)
 for folder in $pages; do
     put 644 "$doc/$folder" $(find "$folder" -maxdepth 1 -type f)
 done
-linked="host_sim/library/contactplant.h host_sim/python/contactplant.py tests/cli/lockstep_client.py"
+linked=$(grep -ohE '\]\((\.\./\.\./)?(hal|host_sim|tests)/[A-Za-z0-9_/.-]*' README.md $(find docs -name '*.md') | sed 's|^](||; s|^\.\./\.\./||' | sort -u)
 for file in $linked; do
     put 644 "$doc/${file%/*}" "$file"
 done
@@ -82,7 +82,7 @@ if [ "$action" = uninstall ]; then
     [ ! -d "$DESTDIR$PREFIX/lib/contactplant" ] || find "$DESTDIR$PREFIX/lib/contactplant" -depth -type d -empty -delete
     rm -f "$DESTDIR$share/contactplant/python/__pycache__/contactplant."*.pyc
     for folder in "$share/contactplant/python/__pycache__" "$share/contactplant/python" "$share/contactplant/scenes" \
-        "$share/contactplant" $(echo "$pages" | LC_ALL=C sort -r | sed "s|^|$doc/|") "$doc/host_sim/library" "$doc/host_sim/python" "$doc/host_sim" "$doc/tests/cli" "$doc/tests" "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
+        "$share/contactplant" $(echo "$pages" | LC_ALL=C sort -r | sed "s|^|$doc/|") $(echo "$linked" | sed "s|/[^/]*$||; p; s|/.*||" | LC_ALL=C sort -ru | sed "s|^|$doc/|") "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
         "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
         "$PREFIX/lib" "$PREFIX/bin" "$PREFIX/include"; do
         rmdir "$DESTDIR$folder" 2>/dev/null || true

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/cli/options.h"
-#include "host_sim/cli/shell.h"
+#include "host_sim/cli/quotes.h"
 
 enum { FILE_SHOWN = 120 /* a file's name in a message is cut to it */ };
 
@@ -93,14 +93,14 @@ static bool is_shell_line(const struct scene_text *t, struct word line)
 /* Takes the comment off a line. False: a quote of a command does not end, and t->why says so. */
 static bool cut_comment(const struct scene_text *t, struct word *line)
 {
-    struct shell_place place = {0, false};
+    struct quotes place = {0, false};
     bool shell = is_shell_line(t, *line);
     size_t used = 0;
     for (; used < line->n; used++) {
-        if (!shell_is_protected(&place) && (line->at[used] == '#' || line->at[used] == ';'))
+        if (!quotes_protect(&place) && (line->at[used] == '#' || line->at[used] == ';'))
             break;
         if (shell)
-            shell_pass(&place, line->at[used]);
+            quotes_pass(&place, line->at[used]);
     }
     line->n = used;
     if (place.quote)

@@ -33,7 +33,7 @@ static void print_which(FILE *out, const struct report_case *r)
 /* A command for a shell, which runs the case alone and records it. */
 static void print_again(FILE *out, const struct report_case *r, const char *options)
 {
-    const struct shell_place bare = {0, false};
+    const struct quotes bare = {0, false};
     char folder[TRIAL_RECORD];
     fprintf(out, "      again: contactplant test %s", *r->trial->file == '-' ? "./" : ""); /* no option */
     shell_put(out, bare, r->trial->file);

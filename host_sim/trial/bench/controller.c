@@ -78,13 +78,13 @@ struct placeholder {
 /* Writes the command with what stands in braces filled in, each as one word of the shell. */
 static void put_filled(FILE *f, const char *from, const struct placeholder *known, int n)
 {
-    struct shell_place at = {0, false};
+    struct quotes at = {0, false};
     while (*from) {
         int i = 0;
         while (i < n && strncmp(from, known[i].name, strlen(known[i].name)))
             i++;
         if (i == n) {
-            shell_pass(&at, *from);
+            quotes_pass(&at, *from);
             fputc(*from++, f);
             continue;
         }
