@@ -9,7 +9,14 @@ WARN  = -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble
 # Contraction off is part of the physics (the same bits everywhere); -fno-math-errno makes sqrt one instruction.
 # So are the two that keep gcc from vectorising: its vectoriser contracts in spite of -ffp-contract=off (seen with gcc
 # 12 and -march=x86-64-v3), and one trajectory has nothing to vectorise: packed loads of fresh stores only stall.
-FLAGS  = -std=c99 -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
+# x87 keeps more digits than a double has, and gcc for s390x by -std=c99 more than a float has. See models/check.h, which
+# refuses what changes bits; some compilers do not tell it of these flags.
+PLATFORM := $(shell $(CC) $(EXTRA) -dM -E -x c /dev/null 2>/dev/null | grep -oE '__i386__|__s390__|__clang__')
+ROUND  = $(if $(filter __i386__,$(PLATFORM)),-msse2 -mfpmath=sse) $(if $(filter __s390__,$(PLATFORM)),$(if $(filter __clang__,$(PLATFORM)),,-fexcess-precision=fast))
+UNSOUND := $(filter -ffast-math -Ofast -funsafe-math-optimizations -fassociative-math -freciprocal-math -ffinite-math-only \
+           -fno-signed-zeros -ffp-contract=fast -ffp-contract=on -ffp-model=fast -mfpmath=387,$(CC) $(OPT) $(EXTRA))
+$(if $(UNSOUND),$(error $(UNSOUND) changes the bits of a plant: build without it))
+FLAGS  = -std=c99 $(ROUND) -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
 # Each file is compiled once, for the program and for libcontactplant.so: position independent, all hidden but what
 # contactplant.h declares, each function in a section of its own.
 SECTIONS = -fvisibility=hidden -ffunction-sections -fdata-sections

@@ -8,8 +8,17 @@
 /* A false condition is a negative array size: C99 has no _Static_assert. */
 #define STATIC_ASSERT(condition, name) typedef char static_assert_##name[(condition) ? 1 : -1]
 
-/* Excess precision would break bit-identity between targets. */
-STATIC_ASSERT(FLT_EVAL_METHOD == 0, doubles_round_to_double);
+/* Bits are equal everywhere where each operation is rounded to its own type, in the order of the source. */
+#if FLT_EVAL_METHOD != 0 && defined(__i386__)
+#error "x87 keeps more digits than a double has: compile with -msse2 -mfpmath=sse (make does so by itself)"
+#elif FLT_EVAL_METHOD != 0
+#error "a float is not rounded to float here: compile with -fexcess-precision=fast or -std=gnu99 (s390x)"
+#endif
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) ||                     \
+    defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
+#error                                                                                                       \
+    "-ffast-math and its parts change the bits of a plant: compile without -ffast-math, -Ofast and the like"
+#endif
 STATIC_ASSERT(CHAR_BIT == 8, bytes_have_eight_bits);
 STATIC_ASSERT(sizeof(double) == 8 && DBL_MANT_DIG == 53, double_is_binary64);
 

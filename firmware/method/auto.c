@@ -211,7 +211,8 @@ static const struct method_books *books(const double *scratch)
 
 const struct method auto_method = {
     .name = "auto",
-    .title = "exact, rk4, taylor or modal: the cheapest that keeps the tolerance, by model, step and drives",
+    .title = "exact, rk4 or taylor, the cheapest that keeps the tolerance, by model, step and drives; "
+             "levers: modal, without one",
     .order = 0,
     .n_scratch = n_scratch,
     .refuse = refuse,

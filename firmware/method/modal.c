@@ -294,7 +294,8 @@ static const struct method_books *books(const double *scratch)
 
 const struct method modal = {
     .name = "modal",
-    .title = "levers: exact turns and heat of free modes, kicks by the sample; order 2 in its force",
+    .title = "levers: exact turns and heat of free modes, kicks by the sample, no tolerance; order 2, with "
+             "two branches 1",
     .order = 2,
     .n_scratch = n_scratch,
     .refuse = refuse,

@@ -385,8 +385,7 @@ void udp_wait(struct udp *u, int ms)
 
 /* ---- opening ---- */
 
-/* "port" on loopback or "a.b.c.d:port". */
-static bool parse_address(const char *text, struct sockaddr_in *out)
+bool udp_address(const char *text, struct sockaddr_in *out)
 {
     char host[INET_ADDRSTRLEN] = "127.0.0.1";
     const char *colon = strchr(text, ':');
@@ -400,7 +399,8 @@ static bool parse_address(const char *text, struct sockaddr_in *out)
     }
     unsigned long number = strtoul(port, NULL, 10);
     *out = (struct sockaddr_in){.sin_family = AF_INET, .sin_port = htons((uint16_t)number)};
-    return *port && number <= 65535 && inet_pton(AF_INET, host, &out->sin_addr) == 1;
+    return *port && number <= 65535 &&
+           inet_pton(AF_INET, strcmp(host, "localhost") ? host : "127.0.0.1", &out->sin_addr) == 1;
 }
 
 static const char *parse_peers(struct udp *u, const struct udp_config *c)
@@ -412,9 +412,9 @@ static const char *parse_peers(struct udp *u, const struct udp_config *c)
     }
     for (u->n_peers = 0; u->n_peers < c->n_peers; u->n_peers++) {
         const char *text = c->peer[u->n_peers];
-        if (!parse_address(text, &u->peer[u->n_peers]) || !u->peer[u->n_peers].sin_port) {
+        if (!udp_address(text, &u->peer[u->n_peers]) || !u->peer[u->n_peers].sin_port) {
             snprintf(u->reason, sizeof u->reason,
-                     "udp: peer \"%s\" is not PORT or A.B.C.D:PORT, port 1 to 65535", text);
+                     "udp: peer \"%s\" is not PORT, A.B.C.D:PORT or localhost:PORT, port 1 to 65535", text);
             return u->reason;
         }
     }
@@ -424,7 +424,7 @@ static const char *parse_peers(struct udp *u, const struct udp_config *c)
 int udp_find_peer(const struct udp *u, const char *text)
 {
     struct sockaddr_in at;
-    return parse_address(text, &at) ? find(u->peer, u->n_peers, &at) : -1;
+    return udp_address(text, &at) ? find(u->peer, u->n_peers, &at) : -1;
 }
 
 static const char *bind_reason(int error)
@@ -525,8 +525,9 @@ const char *udp_open(struct udp *u, const struct udp_config *c)
     u->turn_begins = true;
     cannelloni_begin(&u->packet, 0);
     u->hal = (struct hal){u, receive, append, flush, clock_now_us, clock_no_watchdog};
-    if (!parse_address(c->local, &local)) {
-        snprintf(u->reason, sizeof u->reason, "udp: address \"%s\" is not PORT or A.B.C.D:PORT", c->local);
+    if (!udp_address(c->local, &local)) {
+        snprintf(u->reason, sizeof u->reason,
+                 "udp: address \"%s\" is not PORT, A.B.C.D:PORT or localhost:PORT", c->local);
         return u->reason;
     }
     const char *reason = parse_peers(u, c);

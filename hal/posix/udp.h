@@ -117,6 +117,9 @@ const char *udp_open(struct udp *u, const struct udp_config *c);
 
 void udp_close(struct udp *u);
 
+/* "PORT" on this machine, "A.B.C.D:PORT" or "localhost:PORT", PORT 0 to 65535. False: none of them. */
+bool udp_address(const char *text, struct sockaddr_in *out);
+
 /* The peer with this address, written as in udp_config; -1: none. */
 int udp_find_peer(const struct udp *u, const char *text);
 

@@ -75,6 +75,21 @@ static void set_grid(struct afm_bench *b, const struct gsf *g)
     b->number[STATION_SURFACE] = SURFACE_GRID;
 }
 
+/* Bytes in the wrong order give heights that no surface has. */
+static bool are_heights(const struct gsf *g, char *why)
+{
+    static const float lowest = 1e-20f, highest = 1.0f; /* m */
+    float largest = 0.0f;
+    for (size_t i = 0; i < g->nx * g->ny; i++)
+        largest = fmaxf(largest, fabsf(g->value[i]));
+    if (largest <= highest && !(largest > 0.0f && largest < lowest))
+        return true;
+    snprintf(why, GSF_REASON,
+             "has heights to %.3g m, which no surface has: give metres, as float32 with the low byte first",
+             (double)largest);
+    return false;
+}
+
 int afm_bench_read_surface(struct afm_bench *b)
 {
     char why[GSF_REASON] = "";
@@ -85,7 +100,7 @@ int afm_bench_read_surface(struct afm_bench *b)
         return 0;
     if (!f)
         return options_misuse(b->usage, "cannot read --surface %s: %s", path, strerror(errno));
-    int good = gsf_read(f, &g, why);
+    int good = gsf_read(f, &g, why) && are_heights(&g, why);
     fclose(f);
     b->count = good ? malloc(g.nx * g.ny * sizeof *b->count) : NULL;
     if (b->count)

@@ -18,8 +18,8 @@ struct gsf {
 /* NULL, or why it is not complete. */
 const char *gsf_write(FILE *f, const struct gsf *g);
 
-/* Reads a file whose values are finite; g->value is from malloc. False: why[GSF_REASON] says what is wrong.
- * unit and title stay NULL. */
+/* Reads a file of heights whose values are finite, into metres; g->value is from malloc. False:
+ * why[GSF_REASON] says what is wrong. unit and title stay NULL. */
 int gsf_read(FILE *f, struct gsf *g, char *why);
 
 #endif

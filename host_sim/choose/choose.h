@@ -2,7 +2,7 @@
  * deadline.
  *
  * The candidates are the scene's own model, the full one here, and its reduced models. choose_ladder.c
- * says which there are, and writes the same scene for each. choose_test.c has the tests that cost nothing;
+ * says which there are, and writes the same scene for each. choose_theory.c has the tests that cost nothing;
  * choose_run.c runs a scene and compares. choose_search.c decides, from instruction counts (choose_cost.c)
  * and never from times: so the same scene gets the same answer everywhere. choose_print.c and
  * choose_json.c write the certificate.
@@ -133,7 +133,7 @@ double choose_growth(const struct choose_record *a, const struct choose_record *
 /* The statistics over `span` (the share of time as it is). */
 void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS]);
 
-/* ---- choose_test.c ---- */
+/* ---- choose_theory.c ---- */
 
 /* Facts that are known before anything is run. Amplitudes in model units of length, frequencies in rad per
  * model time. */

@@ -27,6 +27,10 @@ scenes() {
     for list in scenes papers; do "$build/contactplant" list $list; done | sed -n 's/^    \([^ ]*\) .*/\1/p'
 }
 
+plain() { # TEXT, for the right side of a sed command
+    printf '%s' "$1" | sed 's/[\\&|]/\\&/g'
+}
+
 # What the program prints of itself.
 prints=$build/share
 if [ "$action" = install ]; then
@@ -38,7 +42,7 @@ if [ "$action" = install ]; then
     for scene in $(scenes); do
         "$build/contactplant" scene "$scene" >"$prints/scenes/$scene.ini" 2>"$prints/warnings"
     done
-    sed -e "s|@PREFIX@|$PREFIX|" -e "s|@LIBDIR@|$LIBDIR|" -e "s|@VERSION@|$VERSION|" host_sim/library/contactplant.pc.in \
+    sed -e "s|@PREFIX@|$(plain "$PREFIX")|" -e "s|@LIBDIR@|$(plain "$LIBDIR")|" -e "s|@VERSION@|$VERSION|" host_sim/library/contactplant.pc.in \
         >"$prints/contactplant.pc"
 fi
 
@@ -74,7 +78,7 @@ if [ -z "$DESTDIR" ]; then
     PATH=$PATH:/usr/sbin:/sbin
     known() { ldconfig -p 2>/dev/null | grep -q "=> $LIBDIR/libcontactplant.so.$ABI\$"; }
     ldconfig 2>/dev/null || true
-    [ "$action" = uninstall ] || known || echo "the loader does not look into $LIBDIR: run programs with LD_LIBRARY_PATH=$LIBDIR"
+    [ "$action" = uninstall ] || known || echo "the loader does not look into $LIBDIR: run programs with LD_LIBRARY_PATH='$LIBDIR'"
 fi
 
 # Empty now, and nobody else's: folders from the inside out; those above PREFIX are not ours.

@@ -34,6 +34,8 @@ int maps_load_method(struct maps *m, double tol_most)
     const char *name = options_given(&m->o, "method") ? options_text(&m->o, "method", 0) : m->scene.method;
     m->method = method_find(name);
     m->tol = options_given(&m->o, "tol") ? options_number(&m->o, "tol") : fmin(m->scene.tolerance, tol_most);
+    if (m->method)
+        scene_load_tell_tolerance(&m->o, m->scene.model, m->method);
     return m->method ? 0
                      : options_misuse(m->o.usage, "%s: no such method; contactplant list shows them", name);
 }

@@ -6,8 +6,8 @@
  *   - telemetry from one SYNC to the next belongs to the first one's frame;
  *   - commands between them, and the REPLY and OVERRUN that come before a report, belong to the second
  *     one's frame.
- * Lines come out frame by frame, with the stamps that hal/log would have given them. The frame of the last
- * SYNC is left out, since a log that ends there need not have all of it.
+ * Lines come out frame by frame, with the stamps that hal/posix/log would have given them. The frame of the
+ * last SYNC is left out, since a log that ends there need not have all of it.
  *
  * DOUBT. A command that reached the bus after the plant had emptied its queue, but before its SYNC, was
  * taken one frame later. That window is the compute time of a frame, and as many frames as the SYNC waited

@@ -1,13 +1,13 @@
 /* monitor_rows.c - see monitor_rows.h. */
 #include "host_sim/replay/monitor_rows.h"
 
-#include <arpa/inet.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include "hal/posix/udp.h"
 #include "host_sim/replay/decode_signals.h"
 
 enum { ROW_ROOM = 1024 }; /* at most, of JSON */
@@ -23,20 +23,12 @@ const struct option monitor_rows_options[] = {
     {.name = NULL},
 };
 
-/* A socket to udp:HOST:PORT, or -1. */
+/* A socket to udp:A.B.C.D:PORT, or -1. */
 static int open_socket(const char *where)
 {
-    struct sockaddr_in at = {.sin_family = AF_INET};
-    char host[INET_ADDRSTRLEN];
-    const char *colon = strrchr(where, ':');
-    char *end;
-    if (strncmp(where, "udp:", 4) || colon <= where + 4 || colon - where - 4 >= INET_ADDRSTRLEN)
+    struct sockaddr_in at;
+    if (strncmp(where, "udp:", 4) != 0 || !udp_address(where + 4, &at) || at.sin_port == 0)
         return -1;
-    snprintf(host, sizeof host, "%.*s", (int)(colon - where - 4), where + 4);
-    long port = strtol(colon + 1, &end, 10);
-    if (inet_pton(AF_INET, host, &at.sin_addr) != 1 || *end || port < 1 || port > 65535)
-        return -1;
-    at.sin_port = htons((uint16_t)port);
     int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (fd >= 0 && connect(fd, (struct sockaddr *)&at, sizeof at) == 0)
         return fd;
@@ -73,7 +65,10 @@ int monitor_rows_open(struct monitor_rows *k, const struct options *o, const str
     if (!k->json || !strcmp(where, "-"))
         return 0;
     k->socket = open_socket(where);
-    return k->socket >= 0 ? 0 : options_misuse(o->usage, "--json %s: give udp:A.B.C.D:PORT, or -", where);
+    return k->socket >= 0
+               ? 0
+               : options_misuse(o->usage, "--json %s: give udp:A.B.C.D:PORT, udp:localhost:PORT, or -",
+                                where);
 }
 
 /* Nobody may listen yet: that is no failure. */

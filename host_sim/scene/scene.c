@@ -117,6 +117,8 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         c->method = scene_find_method(c->model, method);
     if (options_given(o, "tol"))
         c->tol = options_number(o, "tol");
+    if (c->method)
+        scene_load_tell_tolerance(o, c->model, c->method);
     if (options_given(o, "rate"))
         c->frame_s = 1.0 / options_number(o, "rate");
     scene_app_default_settings(s);

@@ -22,14 +22,14 @@ struct scene_app {
     struct app app;
 };
 
-/* Fills in what s->scene and s->origin say: configuration, parameters, drives, settings; no work and
- * capture memory. */
+/* Fills in what s->scene and s->origin say: configuration, parameters, drives, settings; neither scratch
+ * nor capture memory. */
 void scene_app_configure(struct scene_app *s);
 
 /* The settings of this model at this frame rate, as they are when nobody sets any. */
 void scene_app_default_settings(struct scene_app *s);
 
-/* The app, ready to run on this hal, in the scene's initial state. config.work and config.capture are the
+/* The app, ready to run on this hal, in the scene's initial state. config.scratch and capture are the
  * caller's. False: why[SCENE_REASON] says what is wrong. */
 bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why);
 
@@ -40,7 +40,6 @@ bool scene_set(struct scene_app *s, const char *name, double value, char *why);
 /* A parameter or setting by name, as its wire index; -1 and why when there is none, naming the nearest. */
 int scene_find(const struct model *m, const char *name, char *why);
 
-/* The table entry of a wire index, or NULL. */
 /* The scene's stages in the settings of a plant, which are 0 elsewhere. False: it has none. */
 bool scene_stage_settings(const struct scene *s, double setting[SETTINGS]);
 

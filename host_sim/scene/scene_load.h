@@ -2,6 +2,7 @@
 #ifndef HOST_SIM_SCENE_LOAD_H
 #define HOST_SIM_SCENE_LOAD_H
 
+#include "firmware/method/method.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene_name.h"
 
@@ -29,5 +30,9 @@ bool scene_load_warns(enum scene_origin origin, const struct model *m);
 /* One line on stderr for each fact of a source paper that leaves its range in this plant. */
 void scene_load_warn(const char *command, const struct model *m, const double *si,
                      const struct harmonic *drive);
+
+/* A line on stderr where --tol was given and the method has no tolerance: modal, or one that was named and
+ * has its error from the step. method: as asked, auto too. */
+void scene_load_tell_tolerance(const struct options *o, const struct model *m, const struct method *method);
 
 #endif

@@ -449,6 +449,7 @@ static int prepare(struct simulation *r)
     const char *why = choose_tick(r);
     if (why)
         return simulate_misuse(r, "this run cannot be done", why);
+    scene_load_tell_tolerance(r->o, r->model, r->method);
     r->chosen = r->method == &auto_method;
     if (r->chosen)
         r->method =

@@ -940,6 +940,9 @@ refuses 2 "no parameter or setting \"ramp_speed\"; did you mean ramp_speed_m_per
     send --model microscope set ramp_speed=1e-6
 refuses 2 "cannot read --surface" scan --surface "$dir/none.gsf"
 refuses 2 "is no file of Gwyddion" scan --surface "$dir/rig.ini"
+# Heights of 1e-8 m with the high byte first are 8e33 m.
+{ printf 'Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\n\0\0\0\0' && printf '\062\053\314\167\062\053\314\167\062\053\314\167\062\053\314\167'; } >"$dir/big.gsf"
+refuses 2 "as float32 with the low byte first" scan --surface "$dir/big.gsf" --out "$dir/scan"
 refuses 1 "cannot make the directory" scan --out "$dir/no/such"
 refuses 1 "has not found the surface" scan --set z_loop=2 --set drive=0 --set setpoint="-30 nm" --out "$dir/scan"
 refuses 2 "at 0 K" thermal --set temperature="0 K"

@@ -129,9 +129,17 @@ def test_loose():
         verdict("and %s comes before that judgement" % option[0], said.returncode == 0, said.stderr)
 
 
+def test_no_tolerance():
+    for words, says in ((("afm_lever",), "method modal has no tolerance"), (("tapping",), "method modal has no tolerance"), (("rig", "--method", "rk4"), "method rk4 has no tolerance"), (("rig",), ""), (("rig", "--method", "taylor"), "")):
+        said = run("simulate", *words, "--at", "0,1e-5", "--tol", "1e-9")
+        verdict("simulate %s --tol: says %s" % (" ".join(words), says or "nothing"), said.returncode == 0 and (says in said.stderr if says else "tolerance" not in said.stderr), said.stderr)
+        verdict("and nothing without --tol", "tolerance" not in run("simulate", *words, "--at", "0,1e-5").stderr)
+
+
 with tempfile.TemporaryDirectory() as directory:
     test_resume()
     test_sweep_end()
     test_times()
     test_loose()
+    test_no_tolerance()
 conclude()

@@ -27,7 +27,8 @@ stages='firmware/stage/[a-z_]*\.o' # and one without actuators and sensors these
 models='models/(rolling|afm|shaft|reduced/|math/symmetric)[a-z_0-9]*\.o'
 # what rk4 and the ledger inline for the other models belongs to these models
 inlined=$(nm -S -t d "$build"/firmware/method/rk4.o "$build"/firmware/plant/ledger.o | awk '$4 ~ /^((step|piece)_(rolling_contact|afm_tip|shaft_[a-z]*|linear[a-z_0-9]*|cubic[a-z_0-9]*)(\.constprop\.0)?|shaft_bearing_flow(_open)?)$/ {n += $2} END {print n + 0}')
-limit "machine code of the app with hertz_rig and rk4" "$(($(text $(objects -vE "$methods|$models|$selftest|$scenes|$stages|$station")) - inlined))" $code_limit
+code=$(($(text $(objects -vE "$methods|$models|$selftest|$scenes|$stages|$station")) - inlined))
+limit "machine code of the app with hertz_rig and rk4" $code $code_limit
 echo "      rk4 and ledger inlined for the other models: $inlined bytes"
 for part in models methods selftest scenes station stages; do
     eval "pattern=\$$part"
@@ -38,6 +39,16 @@ tables() { # bytes of constant data of these objects
 }
 echo "      constant tables of the core: $(tables $(objects -vE "$scenes")) bytes, of the scenes: $(tables $(objects -E "$scenes"))"
 limit "struct app" "$("$build"/sizes app)" $app_limit
+kib() { # BYTES, rounded
+    echo $((($1 + 512) / 1024))
+}
+said="$(kib $code) KB of code and $(kib "$("$build"/sizes app)") KB of state"
+if grep -q "| Size | $said for the rig by" README.md; then
+    echo "ok    README.md says $said"
+else
+    echo "FAIL  README.md, Size: write $said"
+    status=1
+fi
 "$build"/sizes
 limit "stack of app_frame, measured" "$("$build"/sizes stack)" $stack_limit
 find "$build"/models "$build"/firmware -name '*.su' ! -path '*/firmware/*-*/*' -exec cat {} + | sort -t'	' -k2 -n -r | head -3 |

@@ -49,6 +49,19 @@ make -s BUILD="$build" PREFIX=/opt/rig LIBDIR=/opt/rig/lib64 DESTDIR="$here/stag
 verdict $? "make install DESTDIR=.." "$(tail -n 3 "$here/log")"
 equal "nothing stands outside DESTDIR's PREFIX" "$(find "$here/stage" -type f ! -path "$here/stage/opt/rig/*" | wc -l)" 0
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+make -s BUILD="$build" PREFIX="/opt/my plant & co" DESTDIR="$here/blank" install >"$here/log" 2>&1
+blank=$here/blank/opt/my\ plant\ \&\ co
+equal "a prefix with blanks, as a shell reads it" "$(eval "printf '<%s>' $(PKG_CONFIG_PATH=$blank/lib/pkgconfig pkg-config --cflags --libs-only-L contactplant)")" \
+    "<-I/opt/my plant & co/include><-ffp-contract=off><-L/opt/my plant & co/lib>"
+equal "and as a variable" "$(PKG_CONFIG_PATH=$blank/lib/pkgconfig pkg-config --variable=prefix contactplant)" "/opt/my plant & co"
+for part in -ffast-math -Ofast -ffinite-math-only; do
+    for compiler in gcc clang; do
+        ! why=$($compiler -std=c99 -I. $part -include models/check.h -c -x c /dev/null -o "$here/fast.o" 2>&1) && echo "$why" | grep -q "change the bits of a plant"
+        verdict $? "$compiler $part is refused in words" "$why"
+    done
+done
+! why=$(make -s -n EXTRA=-fassociative-math 2>&1) && echo "$why" | grep -q "fassociative-math changes the bits"
+verdict $? "make EXTRA=-fassociative-math is refused in words" "$why"
 equal "version by pkg-config" "$(pkg-config --modversion contactplant)" "$version"
 equal "prefix by pkg-config" "$(PKG_CONFIG_PATH=$here/stage/opt/rig/lib64/pkgconfig pkg-config --variable=prefix contactplant)" /opt/rig
 equal "contactplant --version" "$("$prefix/bin/contactplant" --version | cut -d, -f1)" "contactplant $version"

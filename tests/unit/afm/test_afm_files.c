@@ -69,6 +69,60 @@ TEST(afm_gsf)
     refused_file("a NaN", bytes, n, "no number, in row 2, column 3");
 }
 
+/* Writes a file of 4 x 2 values whose header is this text, and reads it. */
+static int read_back(const char *header, struct gsf *g, char *why)
+{
+    static const unsigned char one[4] = {0, 0, 0x80, 0x3F}; /* 1.0f */
+    FILE *f = tmpfile();
+    int n = fprintf(f, "Gwyddion Simple Field 1.0\n%s", header);
+    for (int i = n % 4; i < 4; i++)
+        putc(0, f);
+    for (int i = 0; i < 8; i++)
+        fwrite(one, 1, 4, f);
+    rewind(f);
+    *why = 0;
+    *g = (struct gsf){.value = NULL};
+    int good = gsf_read(f, g, why);
+    fclose(f);
+    return good;
+}
+
+/* The format allows these: https://gwyddion.net/documentation/user-guide-en/gsf.html */
+TEST(afm_gsf_headers)
+{
+    static const char *const same[] = {
+        "XRes = 4\nYRes = 2\nXReal = 2e-6\nYReal = 1e-6\n",
+        "  XRes=4\n\tYRes   =   2  \nXReal=2e-6\r\nYReal = 1e-6\n",
+        "YReal = 1e-6\nTitle = XRes = 9\nXReal = 2e-6\nYRes = 2\nXRes = 4\nXOffset = 5\n",
+        "XRes = 4\nYRes = 2\nXReal = 2e3\nYReal = 1000.0\nXYUnits = nm\n"};
+    char long_header[9000] = "XRes = 4\nYRes = 2\nXReal = 2e-6\nYReal = 1e-6\nTitle = ";
+    char why[GSF_REASON], *end = long_header + strlen(long_header);
+    struct gsf g;
+    memset(end, 'x', 600);
+    end += 600;
+    end += sprintf(end, "XRes = 77\n");
+    for (int i = 0; i < 300; i++)
+        end += sprintf(end, "Own%d = %d\n", i, i);
+    for (int i = 0; i < 5; i++) {
+        check_int("read", read_back(i < 4 ? same[i] : long_header, &g, why), 1);
+        check_string("  says", why, "");
+        check_int("points", (long long)(g.nx * 10 + g.ny), 42);
+        check_near("width", g.width, 2e-6, 1e-18);
+        check_near("length", g.length, 1e-6, 1e-18);
+        check_near("a value", g.value ? (double)g.value[7] : 0.0, 1.0, 0.0);
+        free(g.value);
+    }
+    check_int("heights in nm", read_back("XRes = 4\nYRes = 2\nZUnits = nm\n", &g, why), 1);
+    check_near("a value", g.value ? (double)g.value[7] : 0.0, 1e-9, 1e-16);
+    free(g.value);
+    check_int("volts are no heights", read_back("XRes = 4\nYRes = 2\nZUnits = V\n", &g, why), 0);
+    check_contains("  says", why, "ZUnits that is no unit of length; write m");
+    check_int("a size that is no number", read_back("XRes = 4x\nYRes = 2\n", &g, why), 0);
+    check_contains("  says", why, "XRes that is no number");
+    check_int("a size with a part", read_back("XRes = 4.5\nYRes = 2\n", &g, why), 0);
+    check_contains("  says", why, "no XRes and YRes");
+}
+
 /* ---- PNG: what the specification asks for, decoded here ---- */
 
 static unsigned long big(const unsigned char *p)

@@ -169,7 +169,14 @@ TEST(udp_addresses)
     refused_address("not an address of this machine", "192.0.2.1:0", "1", "no address of this machine");
     refused_address("local without port", "127.0.0.1:", "1", "is not PORT");
     refused_address("local without host", ":20000", "1", "is not PORT");
-    refused_address("local with a name", "localhost:20000", "1", "is not PORT");
+    refused_address("local with a name", "rig.example:20000", "1",
+                    "is not PORT, A.B.C.D:PORT or localhost:PORT");
+    check_true("this machine has a name", open_end(&plant, "localhost:0", "localhost:1"));
+    length = sizeof bound;
+    getsockname(shared_socket(&plant), (struct sockaddr *)&bound, &length);
+    check_hex("localhost is 127.0.0.1", ntohl(bound.sin_addr.s_addr), 0x7F000001);
+    check_int("and a peer too", udp_find_peer(&plant, "127.0.0.1:1"), 0);
+    udp_close(&plant);
     refused_address("local port above 65535", "65536", "1", "is not PORT");
     refused_address("peer with a sign", "0", "-1", "peer \"-1\" is not PORT");
     refused_address("peer port 0", "0", "127.0.0.1:0", "port 1 to 65535");

@@ -1,4 +1,4 @@
-/* choose_test.c - tests of a reduced model that run nothing: linear theory, force laws, Floquet
+/* choose_theory.c - tests of a reduced model that run nothing: linear theory, force laws, Floquet
  * multipliers. */
 #include <complex.h>
 #include <math.h>
