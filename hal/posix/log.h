@@ -140,10 +140,10 @@ struct log_line {
     uint32_t missed; /* periods of LOG_OVERRUN */
 };
 
-/* Parses one line without its line end: its kind is in *out. NULL, or for LOG_DAMAGED what is wrong with it
- * at *column (from 1). Accepted beyond the own form, for candump writes them: lower-case digits, several
- * blanks before the interface, nanoseconds, a raw length ("_B") behind 8 bytes, " R" or " T" at the end.
- * Pure. */
+/* Parses one line without its line end: its kind is in *out. NULL, or for LOG_DAMAGED the reason why it is
+ * none at *column (from 1). Accepted beyond the own form, for candump writes them: lower-case digits, several
+ * blanks before the interface, nanoseconds, a raw length ("_B") behind 8 bytes, " R" or " T" at the end. So
+ * is the form that candump shows without -L, with a time in seconds or without. Pure. */
 const char *log_parse(const char *text, struct log_line *out, int *column);
 
 /* Writes a line of at most LOG_LINE_MAX - 1 characters, with '\n' and 0; returns its length. The way of a

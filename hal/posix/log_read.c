@@ -57,9 +57,20 @@ static void fail_if(struct cursor *c, bool condition, const char *wrong)
         c->wrong = wrong;
 }
 
+static void skip_blanks(struct cursor *c)
+{
+    if (!c->wrong)
+        c->at += strspn(c->at, " ");
+}
+
+/* candump without -L begins with blanks, and has a time with -t alone. */
 static void parse_time(struct cursor *c, struct log_line *out)
 {
     int n;
+    bool shown = *c->at == ' ';
+    skip_blanks(c);
+    if (shown && *c->at != '(')
+        return;
     expect(c, '(', "a line begins with (seconds.micros)");
     uint64_t seconds = digits(c, 10, SECONDS_DIGITS, &n);
     fail_if(c, n == 0, "seconds expected");
@@ -73,8 +84,7 @@ static void parse_time(struct cursor *c, struct log_line *out)
 
 static void parse_interface(struct cursor *c, struct log_line *out)
 {
-    if (!c->wrong)
-        c->at += strspn(c->at, " "); /* candump aligns names of several lengths */
+    skip_blanks(c); /* candump aligns names of several lengths */
     size_t n = c->wrong ? 0 : strcspn(c->at, " \t");
     fail_if(c, n < 1 || n >= LOG_INTERFACE, "an interface name of 1 to 15 characters expected");
     if (c->wrong)
@@ -102,7 +112,6 @@ static void parse_identifier(struct cursor *c, struct log_line *out)
     }
     out->frame.id = id;
     out->frame.flags = n == 8 ? FRAME_EXTENDED : 0;
-    expect(c, '#', "'#' expected after the identifier");
 }
 
 static bool next_is(struct cursor *c, char ch)
@@ -143,6 +152,37 @@ static void parse_data(struct cursor *c, struct log_line *out)
         (void)digits(c, 16, 1, &n);
         fail_if(c, n != 1, "a digit of the raw length expected");
     }
+}
+
+/* "RX - -" or "TX B E", as candump -x has it before the identifier. */
+static void parse_marks(struct cursor *c, struct log_line *out)
+{
+    skip_blanks(c);
+    if (c->wrong || c->at[0] == 0 || c->at[1] != 'X')
+        return;
+    out->way = c->at[0] == 'R' ? LOG_RECEIVED : LOG_SENT;
+    c->at += 2;
+    c->at += strspn(c->at, " -BE");
+}
+
+/* "[2]  11 22" behind the identifier, as candump shows it without -L; "[02]" is CAN FD. Whatever stands
+ * behind the data is for people. */
+static void parse_shown(struct cursor *c, struct log_line *out)
+{
+    int n, length;
+    expect(c, '[', "'#' or a length in brackets expected after the identifier");
+    length = (int)digits(c, 10, 2, &n);
+    expect(c, ']', "']' expected after the length");
+    skip_blanks(c);
+    out->kind = n == 2 ? LOG_FD : next_is(c, 'r') ? LOG_REMOTE : LOG_DATA;
+    if (out->kind != LOG_DATA)
+        return;
+    fail_if(c, n == 0 || length > FRAME_DATA, "a length of at most 8 expected");
+    for (int i = 0; i < length && !c->wrong; i++, skip_blanks(c)) {
+        out->frame.data[i] = (uint8_t)digits(c, 16, 2, &n);
+        fail_if(c, n != 2, "a data byte expected");
+    }
+    out->frame.length = (uint8_t)length;
 }
 
 static void parse_end(struct cursor *c, struct log_line *out)
@@ -218,9 +258,15 @@ const char *log_parse(const char *text, struct log_line *out, int *column)
     memset(out, 0, sizeof *out);
     parse_time(&c, out);
     parse_interface(&c, out);
+    parse_marks(&c, out);
     parse_identifier(&c, out);
-    parse_data(&c, out);
-    parse_end(&c, out);
+    skip_blanks(&c);
+    if (next_is(&c, '#')) {
+        parse_data(&c, out);
+        parse_end(&c, out);
+    } else {
+        parse_shown(&c, out);
+    }
     if (c.wrong) {
         out->kind = LOG_DAMAGED;
     } else if (out->kind == LOG_DATA && out->frame.id & LOG_ERROR_FRAME && !read_own(out)) {

@@ -91,6 +91,8 @@ def test_others(lines):
         f.truncate()
     r = run("decode", "x.log")
     equal("cut off in its last line", (r.returncode, "1 line that is cut off" in r.stderr), (0, True))
+    shown = ["  can0  %s   [8]  %s" % (i, " ".join(d[k:k + 2] for k in range(0, 16, 2))) for i, d in (x.split(" ")[2].split("#") for x in lines)]
+    equal("as candump shows it without -L: the same rows", decode(shown)[0] == plain, True)
     with open(write("y.log", "\n".join(lines) + "\n")) as f:
         piped = subprocess.run("cat | '%s' decode /dev/stdin" % program, shell=True, stdin=f, capture_output=True, text=True)
     equal("out of a pipe", (piped.returncode, list(csv.DictReader(io.StringIO(piped.stdout))) == plain), (0, True))
