@@ -485,9 +485,9 @@ def test_packets():
     verdict("250 frames of all lengths, of 11 and 29 bits, arrive as they were", got == sent, got[:2])
     equal("then a packet that is none: frames", b.receive(), None)
     equal("and its counter", b.malformed, 1)
-    a._socket.send(b"\x02\x00\x00\x00\x03" + b"\x00\x00\x03\x45\x82\x01\xEE\xEE" + b"\x40\x00\x02\x01\x08" + packet([sent[3]])[5:])
+    a._socket.send(b"\x02\x00\x00\x00\x03" + b"\x00\x00\x03\x45\x82\x01\xEE\xEE" + b"\x40\x00\x02\x01\x08" + packet([sent[2]])[5:])
     b.wait(5.0)
-    equal("a frame beside CAN FD and remote ones arrives", b.receive(), sent[3])
+    equal("a frame beside CAN FD and remote ones arrives", b.receive(), sent[2])
     equal("and is no malformed packet's", b.malformed, 1)
     a.close(), b.close()
 
