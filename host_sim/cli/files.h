@@ -42,6 +42,9 @@ FILE *files_compose(const char *path);
 /* Opens an output that goes on: to read and write, made where it is missing. NULL with errno. */
 FILE *files_resume(const char *path);
 
+/* Makes an empty file for a while, that nobody had before: its path in $TMPDIR, or /tmp. False with errno. */
+bool files_make_temporary(char *path, size_t size);
+
 /* Ends what files_create and files_compose began; standard output is only flushed. good: all of it was put,
  * so that what was composed is to be written. True when the file is complete; else errno says why not. */
 bool files_finish(FILE *f, bool good);

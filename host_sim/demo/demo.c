@@ -264,6 +264,8 @@ int cmd_demo(int argc, char **argv)
     bool microscope = o.n_words > 0;
     if (microscope && strcmp(o.word[0], "afm"))
         return options_misuse(&demo_usage, "nothing called \"%s\"; write afm, or nothing", o.word[0]);
+    if (microscope && (options_given(&o, "report") || options_given(&o, "scope")))
+        return options_misuse(&demo_usage, "demo afm makes one picture; take --report and --scope away");
     static const char *const files[] = {"demo.svg", "demo.csv", "bus.log", "plant.txt", NULL},
                              *const picture[] = {"afm.svg", NULL};
     if ((status = options_check_folder(&o, "out", microscope ? picture : files)))

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
@@ -135,11 +135,10 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
 
 void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH])
 {
-    const char *folder = getenv("TMPDIR");
     if (s->log)
         controller_log_path(s, r, ".log", path);
     else
-        snprintf(path, BENCH_PATH, "%s/contactplant.%ld.log", folder ? folder : "/tmp", (long)getpid());
+        (void)files_make_temporary(path, BENCH_PATH); /* else its recording fails, and says so */
 }
 
 /* A signal that is compared comes from the controller alone. */
