@@ -305,7 +305,7 @@ int cmd_scan(int argc, char **argv)
     status = status ? status : run_scan(&b, &image, &part);
     if (!status) {
         scan_verdict(&b, &image, verdict);
-        fprintf(stderr, "%s\n", verdict);
+        puts(verdict);
         scan_part_end(&part);
     }
     scan_free(&image);

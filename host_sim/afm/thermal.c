@@ -148,12 +148,12 @@ static int draw_spectrum(struct afm_bench *b, const struct thermal *t)
 
 static void report_fit(const struct afm_bench *b, const struct thermal *t)
 {
-    fprintf(stderr, "resonance %.6g Hz (lever %.6g), Q %.4g (%.4g), %zu segments of %.3g Hz\n", t->fit.f0_Hz,
+    FILE *f = options_summary(&b->o);
+    fprintf(f, "resonance %.6g Hz (lever %.6g), Q %.4g (%.4g), %zu segments of %.3g Hz\n", t->fit.f0_Hz,
             b->si[LEVER_F0], t->fit.quality, b->si[LEVER_Q], t->spectrum.segments,
             spectrum_frequency(&t->spectrum, 1));
-    fprintf(stderr, "white noise of the sensor %.4g fm/sqrt(Hz)\n", sqrt(t->fit.white) * 1e15);
-    fprintf(stderr,
-            "mean square of the first mode %.4g pm^2; stiffness %.4g kT over it: %.4g N/m (lever %.4g)\n",
+    fprintf(f, "white noise of the sensor %.4g fm/sqrt(Hz)\n", sqrt(t->fit.white) * 1e15);
+    fprintf(f, "mean square of the first mode %.4g pm^2; stiffness %.4g kT over it: %.4g N/m (lever %.4g)\n",
             t->square_m2 * 1e24, t->factor, t->stiffness, b->si[LEVER_K]);
 }
 

@@ -319,3 +319,8 @@ int options_close(const struct options *o, const char *name, FILE *f, const char
                     : options_failure(o->usage, "--%s is not complete: %s; make room and run again", name,
                                       why ? why : strerror(errno));
 }
+
+FILE *options_summary(const struct options *o)
+{
+    return options_given(o, "out") ? stdout : stderr;
+}

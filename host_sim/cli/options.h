@@ -107,6 +107,9 @@ FILE *options_compose(const struct options *o, const char *name);
  * exit status after a line. */
 int options_close(const struct options *o, const char *name, FILE *f, const char *why);
 
+/* The stream of a command's summary: standard output, or standard error where that has the rows of --out. */
+FILE *options_summary(const struct options *o);
+
 /* The nearest of n names to a mistyped one, or NULL when none is near. */
 const char *options_nearest(const char *text, const char *const *name, int n);
 

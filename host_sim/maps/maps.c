@@ -164,7 +164,7 @@ int maps_tell(const struct maps *m, void (*tell)(const void *context, const stru
         return 0;
     int status = maps_load_rows(m, &t);
     if (!status)
-        tell(context, &t, maps_summary(m));
+        tell(context, &t, options_summary(&m->o));
     rows_free(&t);
     return status;
 }
@@ -177,11 +177,6 @@ const char *maps_in_words(double value, const char *unit, char *text)
     if (isfinite(value))
         unit_write(strtod(rounded, NULL), unit, text);
     return text;
-}
-
-FILE *maps_summary(const struct maps *m)
-{
-    return options_given(&m->o, "out") ? stdout : stderr;
 }
 
 int maps_finish_chart(const struct maps *m, struct chart *c)

@@ -84,9 +84,6 @@ const char *maps_in_words(double value, const char *unit, char *text);
 int maps_tell(const struct maps *m, void (*tell)(const void *context, const struct rows_table *t, FILE *f),
               const void *context);
 
-/* The summary goes to the terminal: standard output, or standard error where that has the rows. */
-FILE *maps_summary(const struct maps *m);
-
 /* Writes the picture to --svg. */
 int maps_finish_chart(const struct maps *m, struct chart *c);
 

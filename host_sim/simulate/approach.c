@@ -259,7 +259,7 @@ static void tell_place(FILE *f, const char *what, const char *never, double base
  * + F_ad/k. */
 static void report(const struct approach *a)
 {
-    FILE *f = options_given(&a->o, "out") ? stdout : stderr;
+    FILE *f = options_summary(&a->o);
     const double *si = a->si;
     double snap = 1.5 * cbrt(si[LEVER_HAMAKER] * si[LEVER_RADIUS] / (3.0 * si[LEVER_K]));
     double pull = si[LEVER_HAMAKER_OUT] * si[LEVER_RADIUS] / (6.0 * si[LEVER_A0] * si[LEVER_A0]);

@@ -117,9 +117,9 @@ static void put_words(struct simulation *r, int status)
     if (r->model->n_contacts && p->touchdowns + p->liftoffs == 0)
         html_words(h, "Contact did not change: it was %s all the time.", p->regime ? "closed" : "open");
     else if (r->model->n_contacts)
-        html_words(h,
-                   "Contact was made %u times and lost %u times. The hardest impact had a speed of %.6g%s.",
-                   p->touchdowns, p->liftoffs, p->hardest, r->paper ? " in SI" : " m/s");
+        html_words(h, "Contact was made %u times and lost %u times.", p->touchdowns, p->liftoffs);
+    if (p->touchdowns)
+        html_words(h, "The hardest impact had a speed of %.6g%s.", p->hardest, r->paper ? " in SI" : " m/s");
 }
 
 /* A line may join the rows where they are ten or more to a period of the fastest input. */

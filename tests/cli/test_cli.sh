@@ -976,12 +976,12 @@ verdict "simulate: actuator and sensor of a scene" $? "$(head -3 "$dir/out")"
 is "simulate: columns of stages" "$(head -1 "$dir/out")" "t,position,velocity,penetration,stage_force,stage_velocity"
 "$program" scan --set pixels=2 --set lines=1 --out "$dir/scan" 2>"$dir/err"
 has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorter than the lever's ring time 2 Q/w0 = 1.82 ms"
-"$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" 2>"$dir/err"
-has "scan: a crash has its peak force and its place" "$dir/err" "[1-9] crashes above 50 nN.*the last crash had [0-9.]* nN, at x [0-9.]* nm"
+"$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" >"$dir/out" 2>"$dir/err"
+has "scan: a crash has its peak force and its place" "$dir/out" "[1-9] crashes above 50 nN.*the last crash had [0-9.]* nN, at x [0-9.]* nm"
 grating="--set surface=2 --set pixels=32 --set lines=6 --set pixel_s=3e-3"
-"$program" scan $grating --set surface_height="4 nm" --out "$dir/scan" 2>"$dir/err"
+"$program" scan $grating --set surface_height="4 nm" --out "$dir/scan" >"$dir/out" 2>"$dir/err"
 is "scan, status" $? 0
-has "scan: verdict" "$dir/err" "largest force .* nN, 0 crashes"
+has "scan: verdict" "$dir/out" "largest force .* nN, 0 crashes"
 is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error height peak_force phase; do echo $i.gsf $i.png ${i}_back.gsf ${i}_back.png; done | xargs)"
 is "scan: 32 x 6 values of a square micrometre are 32 x 32 square dots" "$(od -An -tu1 -j16 -N8 "$dir/scan/height.png" | xargs)" "0 0 0 32 0 0 0 32"
 "$program" scan $grating --set surface_height="4 nm" --out "$dir/again" 2>/dev/null
@@ -1052,7 +1052,7 @@ has "demo afm: verdicts" "$dir/out" "^scan: largest force [12].* nN, 0 crashes a
 is "demo afm: three images in the picture" "$(grep -c 'data:image/png;base64' "$dir/demo/afm.svg")" 3
 has "demo afm: parachuting is shaded" "$dir/demo/afm.svg" 'fill="#d55e00" fill-opacity=".13"'
 refuses 2 "write afm" demo fma
-"$program" thermal --seconds 1 --out "$dir/heat.csv" --svg "$dir/heat.svg" 2>"$dir/err"
+"$program" thermal --seconds 1 --out "$dir/heat.csv" --svg "$dir/heat.svg" >"$dir/err"
 is "thermal, status" $? 0
 has "thermal: columns" "$dir/heat.csv" "^frequency_Hz,density_m2_per_Hz,fit_m2_per_Hz"
 has "thermal: a picture" "$dir/heat.svg" "fitted oscillator"
@@ -1062,7 +1062,7 @@ near "thermal: stiffness, N/m" "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$d
 { cat "$dir/lever.ini"; printf '[stage deflection]\ngain = 2\n'; } >"$dir/doubled.ini"
 { cat "$dir/lever.ini"; printf '[stage z]\ngain = 0.5\n'; } >"$dir/half.ini"
 { cat "$dir/lever.ini"; printf '[stage gap]\ngain = 2\n'; } >"$dir/gap.ini"
-"$program" thermal "$dir/doubled.ini" --seconds 1 --out "$dir/heat2.csv" 2>"$dir/err2"
+"$program" thermal "$dir/doubled.ini" --seconds 1 --out "$dir/heat2.csv" >"$dir/err2"
 near "thermal with [stage deflection] gain 2: stiffness, N/m" "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err2")" \
     "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err" | awk '{print $1 / 4}')" 0.001
 grating="--set surface=2 --set pixels=32 --set lines=2 --set pixel_s=3e-3 --set surface_height=4e-9"

@@ -292,7 +292,7 @@ static int conclude(const struct report *p)
     if (p->n < 2)
         return options_failure(
             r->m.o.usage, "fewer than two realisations stayed finite; give weaker noise or a shorter --over");
-    tell(p, maps_summary(&r->m));
+    tell(p, options_summary(&r->m.o));
     int status = write_statistics(p);
     if (status || !options_given(&r->m.o, "svg"))
         return status;

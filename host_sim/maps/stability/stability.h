@@ -50,7 +50,7 @@ int stability_floquet_kind(const double *cell);
 int stability_energy_kind(const double *cell);
 int stability_switches_kind(const double *cell);
 
-/* How much of the map is unstable and where, as the summary of maps.h. 0, or the exit status after a line. */
+/* How much of the map is unstable and where, as a summary. 0, or the exit status after a line. */
 int stability_tell(const struct stability *s);
 
 /* The picture of the rows in --out. 0, or the exit status after a line. */

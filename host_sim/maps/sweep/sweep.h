@@ -144,7 +144,7 @@ void sweep_name_harmonic(const struct sweep *s, int i, char name[SWEEP_LABEL]);
 /* "over 20 periods", "until the damping leaves 1e-4". */
 void sweep_say_settled(const struct sweep *s, char text[SWEEP_LABEL]);
 
-/* Jumps and where, the largest amplitude, and what did not settle, as the summary of maps.h. */
+/* Jumps and where, the largest amplitude, and what did not settle, as a summary. */
 int sweep_tell(const struct sweep *s);
 
 /* The picture --svg of a file of rows. 0, or the exit status after a line. */
