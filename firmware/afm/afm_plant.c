@@ -386,7 +386,7 @@ static void follow_recipe(struct afm *a, const double *was)
     r->dwell_s = now[AFM_PLANT_RAMP_DWELL];
 }
 
-/* Samples in a period of the lever, one more where it is not whole. */
+/* The fewest samples that are longer than a period of the lever. */
 static uint32_t samples_in(double period_s, double sample_s)
 {
     double samples = period_s / sample_s;

@@ -29,7 +29,8 @@ extern const struct parameter codes_number[CODES_NUMBERS];
 /* Volts of a DAC's code; *clipped is one more where the code is beyond 16 bits. */
 double codes_to_volt(int32_t code, uint32_t *clipped);
 
-/* The ADC's code of a finite voltage; *clipped is one more where it is beyond the range. */
+/* The ADC's code of a voltage; *clipped is one more where it is beyond the range. A NaN reads as the least
+ * code, and counts as clipped. */
 int32_t codes_of_volt(double volt, uint32_t *clipped);
 
 #endif

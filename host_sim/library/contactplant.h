@@ -241,7 +241,8 @@ CONTACTPLANT_API uint64_t contactplant_counter(struct contactplant *plant, enum 
 CONTACTPLANT_API uint64_t contactplant_hash(struct contactplant *plant);
 
 /* The whole plant as bytes, and back: the run goes on with the same bits. Bytes are taken by a plant of the
- * same scene, memory size, version and kind of machine; others are refused. */
+ * same scene, memory size, version and kind of machine; others are refused, and so are damaged ones. Restore
+ * bytes of your own only: a check against accidents is in them, and what has forged it is believed. */
 CONTACTPLANT_API size_t contactplant_save_size(struct contactplant *plant);
 CONTACTPLANT_API int contactplant_save(struct contactplant *plant, void *bytes, size_t size);
 CONTACTPLANT_API int contactplant_restore(struct contactplant *plant, const void *bytes, size_t size);
@@ -322,7 +323,8 @@ CONTACTPLANT_API double contactplant_afm_truth(struct contactplant_afm *afm,
                                                enum contactplant_afm_truth which);
 
 /* The whole microscope as bytes, numbers and heat included, and back: it goes on with the same bits. Bytes
- * are taken by a microscope of the same scene, version and kind of machine; others are refused. */
+ * are taken by a microscope of the same scene, version and kind of machine; others are refused. Restore bytes
+ * of your own only, as with contactplant_restore. */
 CONTACTPLANT_API size_t contactplant_afm_save_size(struct contactplant_afm *afm);
 CONTACTPLANT_API int contactplant_afm_save(struct contactplant_afm *afm, void *bytes, size_t size);
 CONTACTPLANT_API int contactplant_afm_restore(struct contactplant_afm *afm, const void *bytes, size_t size);

@@ -214,3 +214,32 @@ TEST(rig_odd_steps)
         m->FreeInstance(instance);
     }
 }
+
+/* A force that throws the mass beyond all numbers: the instance stands where its plant stands, at the last
+ * good instant, and not at the end of the step. A step from there is no gap in time. */
+TEST(rig_diverges)
+{
+    const struct importer *m = importer();
+    struct log log;
+    const double step = 0.37;
+    double last = -1.0, t = 0.0;
+    bool event, terminate, early;
+    fmi3Status status = fmi3OK;
+    fmi3Instance instance = importer_begin(&log);
+    check_int("no damping", importer_set(instance, "damping_N_s_per_m", 0.0), fmi3OK);
+    check_int("a force, N", importer_set(instance, "force", -6e10), fmi3OK);
+    for (int i = 0; i < 10000 && status == fmi3OK; i++) {
+        t = i * step;
+        status = m->DoStep(instance, t, step, true, &event, &terminate, &early, &last);
+    }
+    check_int("the motion left the finite numbers", status, fmi3Error);
+    check_contains("text", log.text, "left the finite numbers");
+    check_above("the last good instant is inside the step, s", last, t + 1e-6);
+    check_below("the last good instant is inside the step, s", last, t + step - 1e-6);
+    check_near("it is the plant's, s", last, importer_get(instance, "time"), 1e-12);
+    check_int("from the begin of the step", importer_step(instance, t, step), fmi3Error);
+    check_contains("text", log.text, "time runs backwards");
+    check_int("from there", importer_step(instance, last, step), fmi3Error);
+    check_contains("text", log.text, "left the finite numbers");
+    m->FreeInstance(instance);
+}

@@ -142,6 +142,34 @@ TEST(afm_plant_equals_the_microscope_in_a_program)
     check_hex("hash of the station", station_hash(plant_station(), 1), station_hash(&a->station, 1));
 }
 
+/* CONTACT's force is the largest of this period of the lever and the one before, here from the forces of each
+ * sample on the way to the sample and back. */
+TEST(afm_plant_contact_force)
+{
+    enum { N = 4000 };
+    static double peak[2 * N];
+    int off = 0, pressed = 0;
+    start_as_alone(1, SAMPLES);
+    const struct station *s = plant_station();
+    int period = 1 + (int)(1.0 / si[LEVER_F0] / s->sample_s);
+    for (int i = 0; i < N; i++) {
+        double largest = 0.0;
+        bus_stream(&bus, AFM_PLANT_Z, (uint64_t)i,
+                   i % 2000 < 1000 ? i % 2000 * -60e-12 : (i % 2000 - 2000) * 60e-12);
+        bus_run(&bus, 1);
+        bus_forget(&bus);
+        int at = (int)(s->microscope.tick / 4) - 1;
+        peak[at] = s->out.peak_N;
+        for (int k = at - at % period - period; k <= at; k++)
+            largest = k >= 0 && peak[k] > largest ? peak[k] : largest;
+        off += fabs(reading(AFM_PLANT_CONTACT_FORCE) - largest) > 1e-12 * largest;
+        pressed += peak[at] > 0.0;
+    }
+    check_above("samples in contact", pressed, 10);
+    check_above("samples apart", N - pressed, 1000);
+    check_int("samples with another force", off, 0);
+}
+
 /* In slow motion a bus frame is one sample: 1 ms of the bus for 0.893 us of the lever. */
 TEST(afm_plant_sample_by_sample)
 {

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/afm/codes.h"
 #include "firmware/afm/station.h"
 #include "models/math/elementary.h"
 
@@ -315,6 +316,63 @@ TEST(afm_station_crash)
     start_station();
     check_true("the same way", run(1e-4, &in));
     check_int("with a bound of 0 there is none", station.microscope.n_crashes, 0);
+}
+
+/* A pressed lever is a crash in each tick. With the bound on for single ticks, crashes are as far apart as
+ * told. */
+TEST(afm_station_crash_apart)
+{
+    struct microscope_in in = {.z_m = -20e-9};
+    begin();
+    lever_si[LEVER_HEIGHT] = 5e-9;
+    number[STATION_DRIVE] = number[STATION_Z_LOOP] = 0.0;
+    number[STATION_TICKS] = 1.0;
+    start_station();
+    check_true("pressed at rest", run(2e-2, &in));
+    check_is("the contact's force, N", station.out.peak_N, >, 1e-9);
+    for (int apart = MICROSCOPE_APART; apart <= MICROSCOPE_APART + 1; apart++) {
+        uint32_t before = station.microscope.n_crashes;
+        for (int i = 0; i <= apart; i++) {
+            station.microscope.crash_N = i % apart == 0 ? 1e-10 : 0.0;
+            check_no_error("runs", station_run(&station, &in) ? NULL : "no");
+        }
+        check_int("crashes", (int64_t)(station.microscope.n_crashes - before),
+                  apart > MICROSCOPE_APART ? 2 : 1);
+        station.microscope.crash_N = 0.0;
+        check_true("long without one", run(1e-1, &in));
+    }
+}
+
+/* While z ramps its loop's integral goes along, whatever kp had added before: the loop goes on from z. */
+TEST(afm_ramp_integral)
+{
+    int off = 0, n = 0;
+    begin();
+    lever_si[LEVER_HEIGHT] = 20e-9;
+    number[STATION_KP] = 0.5;
+    start_station();
+    check_true("the loop is in", run(5e-3, &(struct microscope_in){0}));
+    double kp_part = station.z.sum - station.in.z_m;
+    check_is("the integral is not z, m", fabs(kp_part), >, 0.0);
+    station_begin_ramp(&station, 10e-6, 1e-4);
+    station.ramp.low_m = station.in.z_m - 5e-9;
+    for (; station.ramp.phase != RAMP_OFF && n < 1000000; n++) {
+        check_no_error("runs", station_run(&station, &(struct microscope_in){0}) ? NULL : "no");
+        off += station.z.sum != station.in.z_m;
+    }
+    check_int("samples of the ramp in which the integral was elsewhere", off, 0);
+}
+
+TEST(afm_codes_limits)
+{
+    uint32_t clipped = 0;
+    check_int("not a number: least code", codes_of_volt((double)NAN, &clipped), -32768);
+    check_int("clipped", clipped, 1);
+    check_int("beyond the top", codes_of_volt(11.0, &clipped), 32767);
+    check_int("beyond the bottom", codes_of_volt(-11.0, &clipped), -32768);
+    check_int("clipped", clipped, 3);
+    check_int("1 V", codes_of_volt(1.0, &clipped), 3277);
+    check_int("clipped", clipped, 3);
 }
 
 TEST(afm_station_not_finite)

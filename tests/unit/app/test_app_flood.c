@@ -234,3 +234,61 @@ TEST(app_flood_burst)
     check_int("dropped", bus.app.count[DIAG_RX_FLOOD], 0);
     check_account();
 }
+
+/* The head of a flood, which leaves no place for a frame behind it but by overtaking. */
+static void crowd(void)
+{
+    put_flood(APP_RECV_BUDGET);
+    app_frame(&bus.app);
+    put_flood(APP_RECV_BUDGET);
+}
+
+/* Old ENABLEs, told again, do not take the place of the living controller's. */
+TEST(app_flood_stale_enable)
+{
+    flood_start();
+    for (int i = 0; i < 200; i++)
+        app_frame(&bus.app), put_heartbeat();
+    for (int i = 0; i < 300; i++) {
+        crowd();
+        put_command(WIRE_ENABLE, (double[WIRE_FIELDS]){0, 1, (double)(uint32_t)(bus.app.frame - 150)});
+        put_heartbeat();
+        app_frame(&bus.app);
+    }
+    check_int("time-outs in 600 frames", bus.app.count[DIAG_TIMEOUTS], 0);
+    check_int("refused as old", bus.app.count[DIAG_STALE], 0);
+}
+
+/* The first STOP and the first ENABLE behind the bound are taken, for the work of a frame is bounded. */
+TEST(app_flood_first)
+{
+    flood_start();
+    crowd();
+    uint32_t before = bus.app.count[DIAG_FRAMES_RECEIVED];
+    for (int i = 0; i < 1000; i++)
+        put_heartbeat();
+    for (int i = 0; i < 1000; i++)
+        put_control(CONTROL_STOP);
+    app_frame(&bus.app);
+    check_int("taken behind the bound", bus.app.count[DIAG_FRAMES_RECEIVED] - before - APP_RECV_BUDGET, 2);
+    check_int("stopped", bus.app.state, STATE_STOPPED);
+    check_account();
+}
+
+/* Frames of the other format are none of this plant's, so a flood of them drops none of its own. */
+TEST(app_flood_foreign)
+{
+    flood_start();
+    uint32_t before = bus.app.count[DIAG_FRAMES_RECEIVED];
+    for (int i = 0; i < 3000; i++) {
+        struct frame f;
+        bus_encode(&bus, WIRE_ARM, (double[WIRE_FIELDS]){0, ARM_AMPLITUDE, i}, &f);
+        f.flags |= FRAME_EXTENDED;
+        put(&f);
+    }
+    for (int i = 0; i < 4; i++)
+        app_frame(&bus.app);
+    check_above("frames in which the bound was reached", bus.app.count[DIAG_RX_BUDGET], 1);
+    check_int("dropped in the flood", bus.app.count[DIAG_RX_FLOOD], 0);
+    check_int("received", bus.app.count[DIAG_FRAMES_RECEIVED] - before, 0);
+}

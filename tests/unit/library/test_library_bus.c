@@ -308,6 +308,24 @@ TEST(library_refuses_foreign_bytes)
     check_int("as it is", contactplant_restore(p, saved, size), CONTACTPLANT_OK);
 }
 
+/* Each limit of the watch belongs to the scene. */
+TEST(library_refuses_another_watch)
+{
+    static const char *const scene[] = {"[plant]\nmodel = hertz_rig\n[watch]\nbelow = 1 um\nabove = 20 um\n",
+                                        "[plant]\nmodel = hertz_rig\n[watch]\nbelow = 1 um\nabove = 21 um\n",
+                                        "[plant]\nmodel = hertz_rig\n[watch]\nbelow = 2 um\nabove = 20 um\n"};
+    struct contactplant *p = contactplant_open_bus(&memory, sizeof memory, scene[0], &error);
+    check_true("opened", p != NULL);
+    size_t size = contactplant_save_size(p);
+    check_int("save", contactplant_save(p, saved, size), CONTACTPLANT_OK);
+    for (int i = 0; i < 3; i++) {
+        struct contactplant *q = contactplant_open_bus(&other, sizeof other, scene[i], &error);
+        check_true("opened", q != NULL);
+        check_int(i == 0 ? "the same watch" : "another limit", contactplant_restore(q, saved, size),
+                  i == 0 ? CONTACTPLANT_OK : CONTACTPLANT_BAD_BYTES);
+    }
+}
+
 /* ---- packets ---- */
 
 TEST(library_packets)

@@ -305,4 +305,9 @@ TEST(library_client_refuses)
     check_int("the transport ends a wait", contactplant_client_wait(c, CONTACTPLANT_WAIT_ALIVE, 0, 1e9),
               CONTACTPLANT_TIMEOUT);
     check_contains("text", contactplant_client_error(c), "until the transport ended it");
+    t.context = NULL;
+    left = 1 << 30;
+    check_int("the next wait is another", contactplant_client_wait(c, CONTACTPLANT_WAIT_ALIVE, 0, 1e-3),
+              CONTACTPLANT_TIMEOUT);
+    check_true("it ended by itself", !strstr(contactplant_client_error(c), "until the transport ended it"));
 }

@@ -432,3 +432,33 @@ TEST(app_extended)
         check_int(base[i].what, app_init(&bus.app, &c, &bus.wires.port[0].hal) == NULL, base[i].good);
     }
 }
+
+/* The bound on frames that are made up holds for all that are due, not for each absence. */
+TEST(app_time_overrun_again)
+{
+    start_driven(&bus);
+    bus_run(&bus, 1);
+    check_int("60 frames missed: due", app_overrun(&bus.app, 60), 61);
+    bus_run(&bus, 1);
+    check_int("60 more before the second of them: due", app_overrun(&bus.app, 60), 101);
+    check_int("slipped", bus.app.count[DIAG_FRAMES_SLIPPED], 19);
+}
+
+/* An ENABLE that waited through a long absence of the plant opens no session; one that is sent then does. */
+TEST(app_time_overrun_enable)
+{
+    const struct app_config c = bus_config();
+    for (int longer = 0; longer < 2; longer++) {
+        bus_start(&bus, &c);
+        bus_silent(&bus, 5);
+        int timeout = (int)bus.app.setting[SET_TIMEOUT_FRAMES];
+        bus_enable(&bus, true);
+        (void)!app_overrun(&bus.app, (uint32_t)(longer ? timeout : timeout / 4));
+        bus_silent(&bus, 1);
+        check_int(longer ? "no session after a long absence" : "a session after a short one", bus.app.enabled,
+                  !longer);
+    }
+    bus_enable(&bus, true);
+    bus_silent(&bus, 1);
+    check_int("a session by an ENABLE of now", bus.app.enabled, 1);
+}
