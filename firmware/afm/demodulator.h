@@ -3,7 +3,10 @@
  *
  * For a reading A cos(theta + phi) at the reference theta, in_phase goes to A cos(phi) and quadrature to
  * A sin(phi). An offset or a tone at distance f is lowered by (bandwidth/f)^2. A step of A is followed with
- * two time constants 1/(2 pi bandwidth): that is a delay of 1/(pi bandwidth). */
+ * two time constants 1/(2 pi bandwidth): that is a delay of 1/(pi bandwidth).
+ *
+ * It serves the microscope's loops. LOCKIN on the bus is firmware/observe/lockin_fit.h, `contactplant test`
+ * has host_sim/trial/fit.h. */
 #ifndef FIRMWARE_AFM_DEMODULATOR_H
 #define FIRMWARE_AFM_DEMODULATOR_H
 

@@ -36,5 +36,7 @@ void account_counts(const struct app *a, uint32_t *count)
     count[DIAG_CAPTURE_TICK] = (uint32_t)a->capture.trigger_tick;
     count[DIAG_LATENESS_MAX_US] = a->timing.lateness.max_us;
     count[DIAG_SENSOR_FAULTS] = a->sensor.active;
+    count[DIAG_LOCKIN_SHORT] = a->lockin.n_short;
+    count[DIAG_LOCKIN_CLOSE] = a->lockin.n_close;
     count[DIAG_LATENESS_MAX_FRAME] = (uint32_t)a->timing.lateness.max_frame;
 }

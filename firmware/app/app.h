@@ -11,7 +11,7 @@
 
 #include "firmware/observe/capture.h"
 #include "firmware/bus/diag.h"
-#include "firmware/observe/lockin.h"
+#include "firmware/observe/lockin_slots.h"
 #include "firmware/bus/mailbox.h"
 #include "firmware/plant/plant.h"
 #include "firmware/app/selftest.h"
@@ -66,12 +66,6 @@ struct latency {
     uint64_t received_tick, applied_tick;
 };
 
-/* The last finished lock-in window, SI. */
-struct lockin_result {
-    uint32_t number; /* windows finished so far */
-    double amplitude, phase;
-};
-
 struct app {
     const struct hal *hal;
     struct app_config config;
@@ -96,9 +90,7 @@ struct app {
     uint64_t step_left;       /* frames still to run while paused */
     struct receiver receiver[WIRE_COMMANDS]; /* one per command kind */
     struct latency latency;
-    struct lockin lockin[LOCKIN_SLOTS];
-    uint8_t lockin_channel[LOCKIN_SLOTS], lockin_output[LOCKIN_SLOTS]; /* each slot's settings */
-    struct lockin_result lockin_result[LOCKIN_SLOTS];
+    struct lockin_slots lockin;
     struct sensor sensor;
     struct capture capture;
     struct watch watch;

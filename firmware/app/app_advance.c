@@ -8,89 +8,6 @@
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
 
-/* The lock-in slots that measure in this frame: those whose drive sounds. Neighbours that are at an equal
- * tick of their windows share its weights: they follow the first of them. */
-struct listening {
-    int n;
-    plant_look *measure;
-    struct {
-        struct lockin *lockin, *leader;
-        const struct drive *drive;
-        uint8_t slot, output;
-    } at[LOCKIN_SLOTS];
-};
-
-/* One tick of the lock-in: outputs in model units, results of stages in SI. */
-ALWAYS_INLINE void measure_all(struct listening *to, const struct plant *pl, double *output)
-{
-    double weight = 0.0;
-    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
-    for (int k = 0; k < to->n; k++) {
-        struct lockin *l = to->at[k].lockin;
-        const struct drive *d = to->at[k].drive;
-        if (l == to->at[k].leader)
-            weight = lockin_weight(l);
-        lockin_sample(l, weight * output[to->at[k].output], d->cosine, d->sine);
-    }
-}
-
-/* A plant_look. */
-static void measure(void *listening, const struct plant *pl)
-{
-    double output[MODEL_OUTPUTS];
-    measure_all(listening, pl, output);
-}
-
-/* With the results of stages. */
-static void measure_staged(void *listening, const struct plant *pl)
-{
-    double output[MODEL_OUTPUTS + PLANT_STAGES];
-    memcpy(&output[MODEL_OUTPUTS], pl->stage_calls->results(pl->stages), PLANT_STAGES * sizeof *output);
-    measure_all(listening, pl, output);
-}
-
-/* Collects the slots that measure. A slot begins a new window when its drive is silent, or when a fault or
- * a climb has left it inside a frame. */
-static void listen(struct app *a, struct listening *to)
-{
-    struct lockin *leader = NULL;
-    to->n = 0;
-    to->measure = a->plant.staged ? measure_staged : measure;
-    for (int i = 0; i < LOCKIN_SLOTS; i++) {
-        const struct drive *d = &a->plant.drive[a->lockin_channel[i]];
-        struct lockin *l = &a->lockin[i];
-        bool sounds = d->amplitude != 0.0 || d->ramp_left > 0 || l->harmonic == 0;
-        if (l->i_tick > 0 && !(sounds && l->i_tick % a->config.substeps == 0))
-            lockin_start(l, l->n_ticks, l->harmonic);
-        if (l->n_ticks == 0 || !sounds)
-            continue;
-        if (!leader || leader->i_tick != l->i_tick)
-            leader = l;
-        to->at[to->n].lockin = l;
-        to->at[to->n].leader = leader;
-        to->at[to->n].drive = d;
-        to->at[to->n].slot = (uint8_t)i;
-        to->at[to->n++].output = a->lockin_output[i];
-    }
-}
-
-/* Ends windows at the end of a frame and converts the results to SI; a change of parameters begins new
- * windows, so the units are right. Leaders come last: the others copy their leader's window before it
- * begins anew. */
-NEVER_INLINE void finish_windows(struct app *a, const struct listening *to)
-{
-    for (int k = to->n - 1; k >= 0; k--) {
-        double amplitude, phase;
-        int i = to->at[k].output;
-        double unit =
-            i < MODEL_OUTPUTS ? scale_of(&a->plant.scale, a->plant.model->output_signal[i].quantity) : 1.0;
-        lockin_follow(to->at[k].lockin, to->at[k].leader);
-        struct lockin_result *r = &a->lockin_result[to->at[k].slot];
-        if (lockin_finish(to->at[k].lockin, &amplitude, &phase))
-            *r = (struct lockin_result){r->number + 1, amplitude * unit, phase};
-    }
-}
-
 /* Pulls the capture's triggers for the contact switches of a tick, before the sample of this tick is
  * added. */
 static void trigger_on_switches(struct app *a, uint32_t n)
@@ -106,14 +23,14 @@ static void trigger_on_switches(struct app *a, uint32_t n)
 /* The fires that fall into the tick up to `end`. One that brings a set begins all windows anew, so none is
  * measured in the rest of this frame. Fires are rare, like a capture: both stay out of every tick's
  * registers. */
-NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end, struct listening *to)
+NEVER_INLINE bool advance_through_fires(struct app *a, struct instant end, struct lockin_frame *lockin)
 {
     struct fire f;
     while (mailbox_take_fire(&a->mailbox, end, &f)) {
         if (!plant_advance(&a->plant, f.at))
             return false;
         if (app_apply_fire(a, &f))
-            to->n = 0;
+            lockin->n_slots = 0;
     }
     return true;
 }
@@ -132,15 +49,15 @@ static bool is_capturing(const struct app *a)
 }
 
 /* One tick, in which a fire may fall and at whose end a capture may look. */
-static bool advance_tick(struct app *a, struct listening *to)
+static bool advance_tick(struct app *a, struct lockin_frame *lockin)
 {
     struct instant end = {a->plant.now.tick + 1, 0};
     uint32_t switches = a->plant.counts.switches;
     bool capturing = is_capturing(a);
-    if (!advance_through_fires(a, end, to) || !plant_advance(&a->plant, end))
+    if (!advance_through_fires(a, end, lockin) || !plant_advance(&a->plant, end))
         return false;
-    if (to->n > 0)
-        to->measure(to, &a->plant);
+    if (lockin->n_slots > 0)
+        lockin_slots_tick(lockin, &a->plant);
     if (capturing)
         capture_tick(a, switches);
     return true;
@@ -161,13 +78,13 @@ static void watch_over(struct app *a)
     parameters_settings_changed(a); /* lock-in windows begin anew, as after a change of parameters */
 }
 
-static bool advance_tick_by_tick(struct app *a, struct listening *to)
+static bool advance_tick_by_tick(struct app *a, struct lockin_frame *lockin)
 {
     bool codes = a->streaming >= APP_STREAMING_CODES;
     for (uint32_t i = 0; i < a->config.substeps; i++) {
         if (codes)
             app_apply_codes(a, i);
-        if (!advance_tick(a, to))
+        if (!advance_tick(a, lockin))
             return false;
         if (codes)
             app_read_codes(a, i);
@@ -180,7 +97,7 @@ static bool advance_tick_by_tick(struct app *a, struct listening *to)
 
 /* The lock-in and the observer of the configuration. */
 struct witness {
-    struct listening *to;
+    struct lockin_frame *lockin;
     const struct app_config *config;
 };
 
@@ -188,21 +105,21 @@ struct witness {
 static void witness_tick(void *witness, const struct plant *pl)
 {
     const struct witness *w = witness;
-    if (w->to->n > 0)
-        w->to->measure(w->to, pl);
+    if (w->lockin->n_slots > 0)
+        lockin_slots_tick(w->lockin, pl);
     w->config->observe(w->config->observer, pl);
 }
 
 /* The ticks of a frame: in one run where no fire, capture, watch or code may act in each of them. */
-static bool advance_ticks(struct app *a, struct listening *to)
+static bool advance_ticks(struct app *a, struct lockin_frame *lockin)
 {
-    struct witness witness = {to, &a->config};
+    struct witness witness = {lockin, &a->config};
     if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a) || a->streaming >= APP_STREAMING_CODES)
-        return advance_tick_by_tick(a, to);
+        return advance_tick_by_tick(a, lockin);
     if (a->config.observe)
         return plant_run_seen(&a->plant, a->config.substeps, witness_tick, &witness);
-    if (to->n > 0)
-        return plant_run_seen(&a->plant, a->config.substeps, to->measure, to);
+    if (lockin->n_slots > 0)
+        return plant_run_seen(&a->plant, a->config.substeps, lockin_slots_tick, lockin);
     return plant_run(&a->plant, a->config.substeps);
 }
 
@@ -211,11 +128,11 @@ static void advance_frame(struct app *a)
 {
     const struct plant_counts *n = &a->plant.counts;
     uint32_t budget = n->budget + n->work;
-    struct listening to;
+    struct lockin_frame lockin;
     app_apply_samples(a, a->plant.now.tick / a->config.substeps);
-    listen(a, &to);
-    bool finite = advance_ticks(a, &to);
-    finish_windows(a, &to);
+    lockin_slots_begin_frame(&a->lockin, &a->plant, a->config.substeps, &lockin);
+    bool finite = advance_ticks(a, &lockin);
+    lockin_slots_end_frame(&lockin, &a->plant);
     if (!finite) {
         session_fault(a, FAULT_NOT_FINITE);
         return;

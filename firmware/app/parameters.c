@@ -99,15 +99,10 @@ const char *parameters_check(const struct app *a, const struct staged *staged)
 /* Sensor faults, stages, lock-in windows and everything else that follows from the settings. */
 void parameters_settings_changed(struct app *a)
 {
-    uint32_t n_ticks = (uint32_t)a->setting[SET_LOCKIN_FRAMES] * a->config.substeps;
     sensor_change(&a->sensor, a->setting);
     if (a->config.stage_calls)
         a->config.stage_calls->change(a->config.stages, &a->plant, a->setting);
-    for (int i = 0; i < LOCKIN_SLOTS; i++) {
-        lockin_start(&a->lockin[i], n_ticks, (uint32_t)a->setting[SET_LOCKIN_HARMONIC + i]);
-        a->lockin_channel[i] = (uint8_t)a->setting[SET_LOCKIN_CHANNEL + i];
-        a->lockin_output[i] = (uint8_t)a->setting[SET_LOCKIN_OUTPUT + i];
-    }
+    lockin_slots_change(&a->lockin, a->setting, a->config.substeps);
 }
 
 void parameters_apply(struct app *a, struct staged *staged)

@@ -147,7 +147,7 @@ static void send_summary(struct telemetry *t, const struct app *a)
 static void send_lockin(struct telemetry *t, const struct app *a)
 {
     for (int i = 0; i < LOCKIN_SLOTS && !telemetry_waits(t, a, WIRE_LOCKIN); i++) {
-        const struct lockin_result *r = &a->lockin_result[i];
+        const struct lockin_result *r = &a->lockin.slot[i].result;
         if (r->number != t->lockin_sent[i])
             send_values(t, a, WIRE_LOCKIN, i, r->amplitude, r->phase);
         t->lockin_sent[i] = r->number;

@@ -61,4 +61,8 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
     [DIAG_TX_UNSENT] = {"tx_unsent", "reports", "a peer could not be sent to"},
     [DIAG_LOG_ENDED] = {"log_ended", "reports",
                         "the recording ended before the run: disk full, or its limit"},
+    [DIAG_LOCKIN_SHORT] = {"lockin_short", "results",
+                           "LOCKIN was not available: its window holds less than one period of its tone"},
+    [DIAG_LOCKIN_CLOSE] = {"lockin_close", "results",
+                           "LOCKIN was not available: its tone is too near that of another drive"},
 };

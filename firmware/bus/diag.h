@@ -71,6 +71,9 @@ enum diag {
     DIAG_RX_FLOOD,  /* frames beyond the receive bound twice in a row: dropped, but for STOP and ENABLE */
     DIAG_TX_UNSENT, /* one of several peers could not be sent to */
     DIAG_LOG_ENDED, /* the recording ended before the run */
+    /* results of the lock-in that were not available, by cause */
+    DIAG_LOCKIN_SHORT,
+    DIAG_LOCKIN_CLOSE,
     DIAG_COUNTERS
 };
 

@@ -204,6 +204,8 @@ enum wire_status wire_decode(const struct wire_scene *s, const struct frame *f, 
     m->counter = f->data[1] & 0xFu;
     for (int i = 0; i < l->n_fields; i++)
         m->value[i] = decode_field(s, &l->field[i], word >> l->field[i].start & field_mask(&l->field[i]));
+    if (m->kind == WIRE_LOCKIN && m->value[LOCKIN_AMPLITUDE] != m->value[LOCKIN_AMPLITUDE])
+        m->value[LOCKIN_PHASE] = decode_float(float_nan); /* no amplitude has no phase either */
     return WIRE_OK;
 }
 

@@ -1,11 +1,16 @@
-/* lockin.h - amplitude and phase of one output at a harmonic of one drive, in the plant, tick by tick.
+/* lockin.h - sums of an output times a wave under a Hann window, tick by tick.
  *
- * Over a window of whole frames: z = 2/sum(w) * sum w_k y_k exp(-i n theta_k), w a Hann window, theta the
- * drive's integer phase (frequency ramps included), n the harmonic. Then y ~ |z| cos(n theta + arg z). A tone
- * that is d > 1 periods per window away from n leaks through the Hann window by at most 1/(pi d (d^2 - 1)) of
- * its amplitude, instead of 1/(pi d). An offset (d = n times the periods of the window) leaks by twice that.
- * n = 0 gives the mean: its magnitude, and phase 0 or pi for its sign. One sample costs n + 1 complex
- * multiplications. */
+ * Over a window of whole frames: sum w_k y_k exp(-i n theta_k), w a Hann window, theta a drive's integer
+ * phase (frequency ramps included), n the harmonic. Where the window holds whole periods, z = 2/sum(w) times
+ * this is y ~ |z| cos(n theta + arg z). Elsewhere other tones leak: one that is d > 1 periods per window away
+ * by at most 1/(pi d (d^2 - 1)) of its amplitude, instead of 1/(pi d). An offset (d = n times the periods of
+ * the window) leaks by twice that. lockin_fit.h takes the leakage out. One sample costs n + 1 complex
+ * multiplications.
+ *
+ * There are three lock-ins. This one serves LOCKIN on the bus (lockin_slots.h) and, over whole periods,
+ * sweeps (host_sim/maps/sweep/sweep_meter.h). The microscope has mixers with poles
+ * (firmware/afm/demodulator.h), as AFM controllers do. `contactplant test` fits a wave of any frequency
+ * (host_sim/trial/fit.h). */
 #ifndef FIRMWARE_LOCKIN_H
 #define FIRMWARE_LOCKIN_H
 
@@ -14,67 +19,54 @@
 
 enum { LOCKIN_HARMONICS = 16 }; /* the highest harmonic */
 
-struct lockin {
-    uint32_t n_ticks; /* ticks of the window; 0: off */
-    uint32_t i_tick;  /* position in the window */
-    uint32_t harmonic;
-    double re, im, weight;                 /* sums */
-    double window_cosine, window_sine;     /* Hann window phasor */
+struct lockin_window {
+    uint32_t n_ticks;                      /* 0: off */
+    uint32_t i_tick;                       /* position */
+    double weight;                         /* sum of the weights so far */
+    double cosine, sine;                   /* phasor of the next weight */
     double rotation_cosine, rotation_sine; /* its step */
 };
 
-/* Begins a window of n_ticks ticks at the given harmonic, 0..LOCKIN_HARMONICS; n_ticks 0 switches the slot
- * off. A higher harmonic is an error of the caller (assertion).
+/* sum w y exp(-i n theta) */
+struct lockin_sum {
+    double re, im;
+};
+
+/* Begins a window of n_ticks ticks; 0 switches it off.
  *
- *     lockin_start(&l, 6400, 1);
+ *     lockin_begin(&window, 6400);
  *     for each tick: // y: the output; d: the drive
- *         if (lockin_add(&l, y, d->cosine, d->sine, &amplitude, &phase))
- *             report(amplitude, phase); */
-void lockin_start(struct lockin *l, uint32_t n_ticks, uint32_t harmonic);
+ *         lockin_add(&sum, 1, lockin_weight(&window) * y, d->cosine, d->sine);
+ *     lockin_polar(&sum, 2.0 / window.weight, &amplitude, &phase); */
+void lockin_begin(struct lockin_window *w, uint32_t n_ticks);
 
-/* Before the end of the window: false, and nothing is written. At its end: true; *amplitude has the unit
- * of y, *phase is in rad in -pi..pi, and the next window begins. The slot must not be off. */
-bool lockin_finish(struct lockin *l, double *amplitude, double *phase);
-
-/* For slots that share the weights of a leader which is at the same tick of an equal window. After the
- * leader's lockin_weight calls this moves the other's window as far. It saves two multiplications a tick
- * and slot. */
-void lockin_follow(struct lockin *l, const struct lockin *leader);
+/* Amplitude and phase, rad in -pi..pi, of a sum times `scale`: 2 / weight for one over whole periods. */
+void lockin_polar(const struct lockin_sum *s, double scale, double *amplitude, double *phase);
 
 /* Returns the window's weight at this tick, 0..1, and moves the window to the next tick. */
-static inline double lockin_weight(struct lockin *l)
+static inline double lockin_weight(struct lockin_window *l)
 {
-    double c = l->window_cosine, s = l->window_sine, w = 0.5 * (1.0 - c);
-    l->window_cosine = c * l->rotation_cosine - s * l->rotation_sine;
-    l->window_sine = c * l->rotation_sine + s * l->rotation_cosine;
+    double c = l->cosine, s = l->sine, w = 0.5 * (1.0 - c);
+    l->cosine = c * l->rotation_cosine - s * l->rotation_sine;
+    l->sine = c * l->rotation_sine + s * l->rotation_cosine;
     l->weight += w;
     l->i_tick++;
     return w;
 }
 
-/* Adds one sample: `weighted` is lockin_weight times y; cosine and sine are the drive's phasor at the end
- * of the tick. */
-static inline void lockin_sample(struct lockin *l, double weighted, double cosine, double sine)
+/* Adds one sample at harmonic 1..LOCKIN_HARMONICS: `weighted` is lockin_weight times y; cosine and sine are
+ * the drive's phasor at the end of the tick. */
+static inline void lockin_add(struct lockin_sum *sum, uint32_t harmonic, double weighted, double cosine,
+                              double sine)
 {
-    double c = l->harmonic > 0 ? cosine : 1.0, s = l->harmonic > 0 ? sine : 0.0; /* exp(i n theta) */
-    for (uint32_t i = 1; i < l->harmonic; i++) {
+    double c = cosine, s = sine; /* exp(i n theta) */
+    for (uint32_t i = 1; i < harmonic; i++) {
         double c_next = c * cosine - s * sine;
         s = c * sine + s * cosine;
         c = c_next;
     }
-    l->re += weighted * c;
-    l->im -= weighted * s;
-}
-
-/* Takes the output y of one tick: lockin_weight, lockin_sample and lockin_finish in one. False while the
- * slot is off. */
-static inline bool lockin_add(struct lockin *l, double y, double cosine, double sine, double *amplitude,
-                              double *phase)
-{
-    if (l->n_ticks == 0)
-        return false;
-    lockin_sample(l, lockin_weight(l) * y, cosine, sine);
-    return lockin_finish(l, amplitude, phase);
+    sum->re += weighted * c;
+    sum->im -= weighted * s;
 }
 
 #endif

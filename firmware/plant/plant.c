@@ -176,7 +176,8 @@ static void log_event(struct plant *pl, const struct crossing *c, double fractio
         .tick = pl->now.tick, .fraction = fraction, .contact = (uint8_t)c->contact, .touch = touch};
     e->speed = fabs(gap[c->contact].rate) * scale_of(&pl->scale, QUANTITY_VELOCITY);
     e->peak_force = touch ? 0.0 : pl->peak_force * pl->scale.force_N;
-    memcpy(e->x, pl->x, sizeof e->x);
+    if (pl->event_x)
+        e->x = memcpy(pl->event_x[slot], pl->x, sizeof pl->x);
     if (pl->n_event == PLANT_EVENTS) {
         pl->event_head = (pl->event_head + 1) % PLANT_EVENTS;
         pl->counts.events_lost++;

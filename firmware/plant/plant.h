@@ -45,8 +45,8 @@ struct event {
     double speed;      /* |rate of the gap|, m/s */
     double peak_force; /* at lift-off: the largest contact force since touchdown, N; at touchdown 0 */
     uint8_t contact;
-    bool touch;             /* touchdown, else lift-off */
-    double x[MODEL_STATES]; /* model units, at the switch */
+    bool touch;      /* touchdown, else lift-off */
+    const double *x; /* the state at the switch, model units, in plant.event_x; NULL without it */
 };
 
 struct plant_counts {
@@ -135,6 +135,8 @@ struct plant {
     double loss_time; /* model time with every contact open, in this record; 0 for a model without contacts */
     double total_time; /* model time in this record */
     struct event event[PLANT_EVENTS];
+    double (
+        *event_x)[MODEL_STATES]; /* [PLANT_EVENTS], or NULL: who wants x of events sets it after plant_init */
     uint32_t event_head, n_event;
     struct plant_counts counts;
     double si[MODEL_PARAMETERS]; /* the last: the offsets of all above stay short */

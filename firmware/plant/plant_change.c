@@ -93,6 +93,7 @@ const char *plant_init(struct plant *pl, const struct plant_config *c)
     pl->scratch = c->scratch;
     pl->stage_calls = c->stage_calls;
     pl->stages = c->stages;
+    pl->event_x = NULL;
     pl->tick_s = c->tick_s;
     pl->dilation = c->dilation;
     pl->tol = c->tol;

@@ -300,7 +300,8 @@ static void begin_input(const struct simulation *r, struct plant *pl, int i, dou
 static const char *place(const struct simulation *r, struct plant *pl, double *scratch, uint64_t tick,
                          double tick_s, const double *x)
 {
-    static struct stages stages; /* one plant may have some: see choose_tick */
+    static struct stages stages;                       /* one plant may have some: see choose_tick */
+    static double event_x[PLANT_EVENTS][MODEL_STATES]; /* events are taken before the next plant runs */
     const struct plant_config c = {.model = r->model,
                                    .si = r->si,
                                    .method = r->method,
@@ -317,6 +318,7 @@ static const char *place(const struct simulation *r, struct plant *pl, double *s
     why = why ? why : plant_init(pl, &c);
     if (why)
         return why;
+    pl->event_x = event_x;
     if (staged)
         stages_for_plants.change(&stages, pl, setting);
     pl->now.tick = tick;

@@ -4,26 +4,30 @@
 #include <math.h>
 #include "models/math/elementary.h"
 
-void fit_add(struct fit *f, uint64_t turns, double x)
+void fit_add(struct fit *f, double place, uint64_t turns, double x)
 {
-    double c, s;
+    double c, s, w_c, w_s;
     cos_sin_turns(turns, &c, &s);
+    cos_sin_turns(turns_of(place), &w_c, &w_s);
+    double w = 0.5 * (1.0 - w_c), wc = w * c, ws = w * s;
     f->n++;
-    f->c += c, f->s += s;
-    f->cc += c * c, f->ss += s * s, f->cs += c * s;
-    f->x += x, f->xc += x * c, f->xs += x * s;
+    f->w += w;
+    f->c += wc, f->s += ws;
+    f->cc += wc * c, f->ss += ws * s, f->cs += wc * s;
+    f->x += w * x, f->xc += wc * x, f->xs += ws * x;
 }
 
-/* The mean is taken out first; two equations are left. */
+/* The mean is taken out first; two equations are left. At least half of the wave's power must be left in
+ * them, less rounding: one period has so much. */
 bool fit_solve(const struct fit *f, double *amplitude, double *phase_deg)
 {
-    double n = (double)f->n;
+    double w = f->w;
     if (f->n < 4)
         return false;
-    double cc = f->cc - f->c * f->c / n, ss = f->ss - f->s * f->s / n, cs = f->cs - f->c * f->s / n;
-    double xc = f->xc - f->x * f->c / n, xs = f->xs - f->x * f->s / n;
-    double determinant = cc * ss - cs * cs;
-    if (!(determinant > 1e-6 * n * n))
+    double cc = f->cc - f->c * f->c / w, ss = f->ss - f->s * f->s / w, cs = f->cs - f->c * f->s / w;
+    double xc = f->xc - f->x * f->c / w, xs = f->xs - f->x * f->s / w;
+    double determinant = cc * ss - cs * cs, half = 0.5 * (cc - ss);
+    if (!(0.5 * (cc + ss) - sqrt(half * half + cs * cs) > 0.24 * w))
         return false;
     double a = (xc * ss - xs * cs) / determinant, b = (xs * cc - xc * cs) / determinant;
     *amplitude = sqrt(a * a + b * b);

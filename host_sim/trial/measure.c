@@ -18,13 +18,18 @@ static bool is(const struct measurement *m, enum metric_of of)
 
 /* ---- ticks ---- */
 
+static bool is_fit(enum metric_kind k)
+{
+    return k == METRIC_AMPLITUDE || k == METRIC_PHASE;
+}
+
 /* The window in ticks; a lock-in's ends with a whole period. */
 static void find_window(struct measurement *m)
 {
     double to = ticks_in(m->set.to_s, m->tick_s);
     double period = m->set.frequency_Hz > 0.0 ? 1.0 / (m->set.frequency_Hz * m->tick_s) : 0.0;
     m->from = ticks_begun(m->set.from_s, m->tick_s);
-    if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
+    if (is_fit(m->set.kind))
         to = (double)m->from + floor(ticks_in(to - (double)m->from, period)) * period;
     m->to = ticks_ended(to, 1.0);
 }
@@ -91,8 +96,9 @@ bool measurement_reads(const struct measurement *m)
 
 static void add_value(struct measurement *m, double x, uint64_t tick)
 {
-    if (m->set.kind == METRIC_AMPLITUDE || m->set.kind == METRIC_PHASE)
-        fit_add(&m->fit, turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x);
+    if (is_fit(m->set.kind))
+        fit_add(&m->fit, ((double)(tick - m->from) + 0.5) / ((double)(m->to - m->from) + 1.0),
+                turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x);
     if (has_sums(m->set.kind))
         add_sums(m, x, tick);
     add_extreme(m, x, tick);
@@ -243,10 +249,21 @@ static struct metric_value contact_value(struct measurement *m, double now)
     }
 }
 
+static struct metric_value fit_value(const struct measurement *m)
+{
+    double amplitude, phase_deg;
+    struct metric_value v = {.known = false, .note = "its window holds no period of lockin"};
+    if (!fit_solve(&m->fit, &amplitude, &phase_deg))
+        return v;
+    return at(m->set.kind == METRIC_AMPLITUDE ? amplitude : phase_deg, m->sum.last_s);
+}
+
 static struct metric_value signal_value(const struct measurement *m)
 {
     const struct metric_sums *s = &m->sum;
-    double length = s->last_s - s->first_s, amplitude, phase_deg;
+    double length = s->last_s - s->first_s;
+    if (is_fit(m->set.kind) && s->n > 0)
+        return fit_value(m);
     if (s->n < 2)
         return (struct metric_value){.known = false};
     switch (m->set.kind) {
@@ -260,12 +277,8 @@ static struct metric_value signal_value(const struct measurement *m)
         return at(sqrt(s->square / length), s->last_s);
     case METRIC_CHANGE:
         return at(s->most - s->least, fmax(s->least_s, s->most_s));
-    case METRIC_EFFORT:
-        return at(s->magnitude, s->last_s);
     default:
-        if (!fit_solve(&m->fit, &amplitude, &phase_deg))
-            return (struct metric_value){.known = false};
-        return at(m->set.kind == METRIC_AMPLITUDE ? amplitude : phase_deg, s->last_s);
+        return at(s->magnitude, s->last_s);
     }
 }
 

@@ -86,7 +86,7 @@ static void describe(const struct evidence *e, const struct measurement *m, stru
         write_value(v->value, unit, value);
     if (!v->known && m->untold)
         snprintf(o->found, sizeof o->found, "not judged: %s", m->untold);
-    else if (!v->known)
+    else if (!v->known && !*v->note)
         snprintf(o->found, sizeof o->found, "nothing to judge fell into its window");
     else if (*v->note)
         snprintf(o->found, sizeof o->found, "%s", v->note);

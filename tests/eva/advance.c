@@ -181,15 +181,14 @@ static void any_lockin(unsigned listen, bool mean)
         app.plant.drive[i].ramp_left = mean ? 0 : eva_uint(1, UINT32_MAX);
         app.plant.drive[i].amplitude = mean ? 0.0 : app.plant.drive[i].amplitude;
     }
+    eva_any(&app.lockin, sizeof app.lockin);
+    app.lockin.window.n_ticks = listen || mean ? eva_uint(1, UINT32_MAX) : 0;
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
-        struct lockin *l = &app.lockin[i];
         bool on = (listen >> i) & 1u;
-        eva_any(l, sizeof *l);
-        l->n_ticks = on || mean ? eva_uint(1, UINT32_MAX) : 0;
-        l->harmonic = mean ? (on ? 0 : eva_uint(1, LOCKIN_HARMONICS)) : eva_uint(0, LOCKIN_HARMONICS);
-        app.lockin_channel[i] = (uint8_t)eva_uint(0, (uint32_t)m->n_inputs - 1);
-        app.lockin_output[i] = (uint8_t)eva_uint(0, (uint32_t)m->n_outputs - 1);
-        app.lockin_result[i].number = eva_uint(0, UINT32_MAX);
+        app.lockin.slot[i].harmonic = (uint8_t)(mean && on ? 0 : eva_uint(mean, LOCKIN_HARMONICS));
+        app.lockin.slot[i].drive = (uint8_t)eva_uint(0, (uint32_t)m->n_inputs - 1);
+        app.lockin.slot[i].output = (uint8_t)eva_uint(0, (uint32_t)m->n_outputs - 1);
+        app.lockin.slot[i].first = (uint8_t)eva_uint(0, (uint32_t)i);
     }
 }
 

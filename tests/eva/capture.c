@@ -6,7 +6,8 @@
  * proved too. */
 #include "firmware/observe/capture.h"
 
-#include "firmware/observe/lockin.h"
+#include "firmware/observe/lockin_fit.h"
+#include "tests/eva/angles.h"
 #include "tests/eva/seams.h"
 
 enum { FLOATS = 6 };
@@ -106,17 +107,24 @@ static void arm(uint32_t n_signals, uint32_t n_samples, uint32_t most)
 
 static void lock_in(void)
 {
-    struct lockin l;
+    struct lockin_window w;
+    struct lockin_sum sum = {0.0, 0.0};
+    struct lockin_tone tone[LOCKIN_TONES];
     double amplitude, phase;
+    eva_any(&w, sizeof w);
+    lockin_begin(&w, eva_uint(0, UINT32_MAX));
+    w.n_ticks = eva_uint(1, UINT32_MAX);
+    w.i_tick = eva_uint(0, UINT32_MAX);
     /*@ loop unroll 20; */
-    for (uint32_t harmonic = 0; harmonic <= LOCKIN_HARMONICS; harmonic++) {
-        eva_any(&l, sizeof l);
-        lockin_start(&l, eva_uint(0, UINT32_MAX), harmonic);
-        ASSERT(l.harmonic <= LOCKIN_HARMONICS);
-        l.n_ticks = eva_uint(0, UINT32_MAX);
-        l.i_tick = eva_uint(0, UINT32_MAX);
-        (void)lockin_add(&l, eva_between(-DBL_MAX, DBL_MAX), eva_between(-1.1, 1.1), eva_between(-1.1, 1.1),
-                         &amplitude, &phase);
+    for (uint32_t harmonic = 1; harmonic <= LOCKIN_HARMONICS; harmonic++)
+        lockin_add(&sum, harmonic, lockin_weight(&w) * eva_between(-DBL_MAX, DBL_MAX), eva_between(-1.1, 1.1),
+                   eva_between(-1.1, 1.1));
+    lockin_polar(&sum, eva_between(-DBL_MAX, DBL_MAX), &amplitude, &phase);
+    /*@ loop unroll 20; */
+    for (int n = 1; n <= LOCKIN_TONES; n++) {
+        eva_any(tone, sizeof tone);
+        (void)lockin_equal(&w, &tone[0], &tone[n - 1]);
+        (void)lockin_fit(&w, tone, n, eva_between(-DBL_MAX, DBL_MAX), &sum);
     }
 }
 

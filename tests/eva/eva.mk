@@ -19,11 +19,11 @@ eva_src_change  := $(eva_src_plant)
 eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/method/rk4*.c firmware/method/float32/*.c) firmware/method/switch.c firmware/plant/segment.c
 eva_src_elementary := models/math/elementary.c
 eva_src_settings := firmware/app/parameters.c $(addprefix firmware/bus/,mailbox.c settings.c wire.c wire_table.c) \
-                   $(addprefix firmware/observe/,lockin.c sensor.c) models/afm_tip.c models/model.c models/math/elementary.c
-eva_src_capture := firmware/observe/capture.c firmware/observe/lockin.c models/math/elementary.c
+                   $(addprefix firmware/observe/,lockin.c lockin_fit.c lockin_slots.c sensor.c) models/afm_tip.c models/model.c models/math/elementary.c
+eva_src_capture := $(addprefix firmware/observe/,capture.c lockin.c lockin_fit.c)
 eva_src_command := $(filter-out firmware/plant/plant_change.c firmware/bus/wire.c,$(EVA_RIG))
 eva_src_advance := $(filter-out firmware/plant/plant_change.c,$(eva_src_plant)) $(addprefix firmware/app/,app_advance.c parameters.c session.c) \
-                   $(addprefix firmware/observe/,lockin.c sensor.c watch.c) $(addprefix firmware/bus/,settings.c wire.c wire_table.c)
+                   $(addprefix firmware/observe/,lockin.c lockin_fit.c lockin_slots.c sensor.c watch.c) $(addprefix firmware/bus/,settings.c wire.c wire_table.c)
 eva_src_telemetry := $(filter-out firmware/plant/plant_change.c,$(eva_src_plant)) $(addprefix firmware/app/,telemetry.c account.c session.c) \
                    firmware/observe/sensor.c $(addprefix firmware/bus/,settings.c identity.c mailbox.c wire_table.c)
 # How many states Eva keeps apart: more is sharper, and slower.
@@ -34,8 +34,8 @@ eva_flags_arm     := -eva-precision 1 -eva-slevel 100 -eva-slevel-function app_a
 eva_flags_settings := -eva-precision 1 -eva-slevel 200 -eva-auto-loop-unroll 200
 eva_flags_capture := -eva-split-return full -eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 40
 eva_flags_command := -eva-precision 1 -eva-slevel 8 -eva-auto-loop-unroll 250
-eva_flags_advance := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-split-return-function lockin_finish:0 \
-                     -eva-slevel-function lockin_finish:10,finish_windows:30,advance_ticks:6,advance_tick_by_tick:6,advance_tick:6,plant_run_seen:6,measure:6,advance_through_fires:6,advance_frame:8 \
+eva_flags_advance := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 \
+                     -eva-slevel-function advance_ticks:6,advance_tick_by_tick:6,advance_tick:6,plant_run_seen:6,lockin_slots_tick:6,advance_through_fires:6,advance_frame:8 \
                      -eva-slevel-function model_same_name:400,is_output:200,model_observable_state:200,model_observable:200,watch_start:100,watch:100
 eva_flags_telemetry := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-slevel-function send_parameters:2400,send_info:40,send_selftest:40 \
                      -eva-slevel-function keep:2500,telemetry_send_kept_itself:2500,telemetry_send_itself:10,send_echo:80

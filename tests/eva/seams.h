@@ -69,8 +69,9 @@ static inline void any_settings(struct app *a)
  * that they hold again. */
 static inline bool seam_lockin(const struct app *a, int slot)
 {
-    return a->lockin_channel[slot] < a->plant.model->n_inputs &&
-           a->lockin_output[slot] < a->plant.model->n_outputs && a->lockin[slot].harmonic <= LOCKIN_HARMONICS;
+    return a->lockin.slot[slot].drive < a->plant.model->n_inputs &&
+           a->lockin.slot[slot].output < a->plant.model->n_outputs && a->lockin.slot[slot].first <= slot &&
+           a->lockin.slot[slot].harmonic <= LOCKIN_HARMONICS;
 }
 
 /* The counts of a burst in memory of n_floats: asserted of what is armed, and kept by each operation, in

@@ -29,6 +29,8 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
     "firmware/plant/segment.c": ["segment", "selftest", "plant", "noise"],
     "firmware/plant/ledger.c": ["ledger", "app_told", "energy", "watch"],
     "firmware/observe/lockin.c": ["lockin", "app_lockin"],
+    "firmware/observe/lockin_fit.c": ["lockin_fit", "app_lockin"],
+    "firmware/observe/lockin_slots.c": ["app_lockin", "stages_lockin"],
     "firmware/observe/capture.c": ["capture", "app_capture"],
     "firmware/plant/noise.c": ["noise"],
     "firmware/plant/plant_report.c": ["plant", "ledger", "selftest", "app_"],

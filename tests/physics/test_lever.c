@@ -40,10 +40,11 @@ static int ticks_of(const struct driven_tip *c)
 
 static double measured_amplitude(const struct driven_tip *c)
 {
-    double paper[TIP_PAPER], si[TIP_PARAMETERS], amplitude = -1.0, phase;
+    double paper[TIP_PAPER], si[TIP_PARAMETERS], amplitude, phase;
     struct harmonic drive[TIP_INPUTS];
     struct plant pl;
-    struct lockin l;
+    struct lockin_window window;
+    struct lockin_sum sum = {0.0, 0.0};
     paper_of(c, paper);
     afm_tip.from_paper(paper, si, drive);
     const struct plant_config config = {.model = &afm_tip,
@@ -58,11 +59,12 @@ static double measured_amplitude(const struct driven_tip *c)
     for (int i = 0; i < TIP_INPUTS; i++)
         if (drive[i].amplitude != 0.0)
             plant_drive_start(&pl, i, drive[i].amplitude, drive[i].omega / TWO_PI, drive[i].phase);
-    lockin_start(&l, (uint32_t)ticks_of(c), 1);
+    lockin_begin(&window, (uint32_t)ticks_of(c));
     for (int i = 0; i < ticks_of(c) && plant_run(&pl, 1); i++) {
         const struct drive *d = &pl.drive[TIP_FORCE];
-        (void)lockin_add(&l, pl.x[0], d->cosine, d->sine, &amplitude, &phase);
+        lockin_add(&sum, 1, lockin_weight(&window) * pl.x[0], d->cosine, d->sine);
     }
+    lockin_polar(&sum, 2.0 / window.weight, &amplitude, &phase);
     return amplitude;
 }
 

@@ -11,13 +11,20 @@
 
 enum { FORCE = 3 }; /* index in every model's outputs, see models/model.h */
 
+static void begin_window(struct sweep_meter *m)
+{
+    lockin_begin(&m->window, (uint32_t)m->n);
+    memset(m->sum, 0, sizeof m->sum);
+}
+
 void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmonic, int n_harmonics,
                        int64_t n, uint64_t phase, uint64_t step)
 {
     *m = (struct sweep_meter){
         .output = output, .n_harmonics = n_harmonics, .n = n, .phase = phase, .step = step};
     for (int i = 0; i < n_harmonics; i++)
-        lockin_start(&m->lockin[i], (uint32_t)n, harmonic[i]);
+        m->harmonic[i] = harmonic[i];
+    begin_window(m);
     cos_sin_turns(step, &m->rotation_cosine, &m->rotation_sine);
 }
 
@@ -26,21 +33,20 @@ void sweep_meter_start(struct sweep_meter *m, int output, const uint32_t *harmon
 /* Adds a sample to all harmonics. Returns its weight in their common window. */
 static double add_sample(struct sweep_meter *m, double y)
 {
-    double weight = lockin_weight(&m->lockin[0]);
+    double weight = lockin_weight(&m->window);
     if (m->beats)
         weight *= weight * (4.0 / 3.0); /* the sum of the weights stays */
     drive_rotate(&m->cosine, &m->sine, m->rotation_cosine, m->rotation_sine);
     for (int i = 0; i < m->n_harmonics; i++)
-        lockin_sample(&m->lockin[i], weight * y, m->cosine, m->sine);
+        lockin_add(&m->sum[i], m->harmonic[i], weight * y, m->cosine, m->sine);
     return weight;
 }
 
 static void finish_harmonics(struct sweep_meter *m, struct sweep_measured *r)
 {
-    for (int i = m->n_harmonics - 1; i >= 0; i--) {
-        lockin_follow(&m->lockin[i], &m->lockin[0]);
-        (void)lockin_finish(&m->lockin[i], &r->amplitude[i], &r->phase[i]);
-    }
+    for (int i = 0; i < m->n_harmonics; i++)
+        lockin_polar(&m->sum[i], 2.0 / m->window.weight, &r->amplitude[i], &r->phase[i]);
+    begin_window(m);
 }
 
 /* ---- switches ---- */
@@ -126,12 +132,11 @@ static double add_switch(struct sweep_meter *m, double theta, const struct side 
            c, d;
     uint64_t phase = m->phase + (uint64_t)m->i_tick * m->step - (uint64_t)((1.0 - theta) * (double)m->step);
     for (int i = 0; i < m->n_harmonics; i++) {
-        struct lockin *l = &m->lockin[i];
-        double turn = turns_to_double(m->step) * TURN_RAD * l->harmonic;
+        double turn = turns_to_double(m->step) * TURN_RAD * m->harmonic[i];
         double even = mean + y * b3 * (turn * turn), odd = (y * b2 - 2.0 * rate * b3) * turn;
-        cos_sin_turns(phase * l->harmonic, &c, &d);
-        l->re += weight * (even * c - odd * d);
-        l->im -= weight * (even * d + odd * c);
+        cos_sin_turns(phase * m->harmonic[i], &c, &d);
+        m->sum[i].re += weight * (even * c - odd * d);
+        m->sum[i].im -= weight * (even * d + odd * c);
     }
     return mean;
 }
@@ -229,7 +234,7 @@ static void take_switches(struct sweep_meter *m, struct plant *pl, double weight
     }
 }
 
-bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measured *r)
+static bool run_half(struct sweep_meter *m, struct plant *pl, struct sweep_measured *r)
 {
     double unit = scale_of(&pl->scale, pl->model->output_signal[m->output].quantity);
     *r = (struct sweep_measured){.lowest = (double)INFINITY, .highest = -(double)INFINITY};
@@ -256,4 +261,12 @@ bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measu
     r->mean /= (double)m->n;
     r->out_of_contact = pl->loss_time / pl->total_time;
     return true;
+}
+
+bool sweep_meter_run(struct sweep_meter *m, struct plant *pl, struct sweep_measured *r)
+{
+    pl->event_x = m->event_x;
+    bool finite = run_half(m, pl, r);
+    pl->event_x = NULL;
+    return finite;
 }

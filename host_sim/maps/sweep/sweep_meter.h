@@ -28,7 +28,9 @@ struct sweep_trace {
 struct sweep_meter {
     int output; /* number of the model's output */
     int n_harmonics;
-    struct lockin lockin[SWEEP_HARMONICS];
+    uint32_t harmonic[SWEEP_HARMONICS];
+    struct lockin_window window;
+    struct lockin_sum sum[SWEEP_HARMONICS];
     bool beats;           /* set after the start: squares the window, so that other frequencies leak less */
     int64_t n;            /* ticks of a half */
     uint64_t phase, step; /* turns of the harmonics' common phase: at the start, and per tick */
@@ -36,6 +38,7 @@ struct sweep_meter {
     double cosine, sine;  /* phasor of the phase now; computed from it in each half */
     double rotation_cosine, rotation_sine;
     struct sweep_trace trace, force;
+    double event_x[PLANT_EVENTS][MODEL_STATES]; /* states at the switches of a tick */
 };
 
 struct sweep_measured {

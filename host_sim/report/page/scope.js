@@ -552,6 +552,8 @@ function drawLockin(lane, p) {
   finishLane(lane, entries);
 }
 
+const NO_LOCKIN = "not available: less than a period a window, or another drive is too near";
+
 function drawSlot(chart, lane, p, s, column) {
   const l = p.lockin[s.slot], [from, to] = inView(l, chart.x0, chart.x1), name = COLOURS[s.slot % 4];
   const y = l.column[column].subarray(0, l.n);
@@ -559,7 +561,7 @@ function drawSlot(chart, lane, p, s, column) {
   chart.points(l.t, y, name, {from, to, size: 4});
   const at = entryAt(l);
   return [lane.phase ? number(y[at], 3) + " rad"
-    : `${plain(s.output)}, harmonic ${s.harmonic} of ${plain(s.input)}: ${quantity(y[at], s.unit)}`, name];
+    : `${plain(s.output)}, harmonic ${s.harmonic} of ${plain(s.input)}: ${isNaN(y[at]) ? NO_LOCKIN : quantity(y[at], s.unit)}`, name];
 }
 
 /* A phase that jumps by more than half a turn has gone round: no line across the panel. */

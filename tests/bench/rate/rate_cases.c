@@ -119,7 +119,8 @@ const char *rate_start(struct rate_run *r, const struct rate_case *c, const stru
     start[0] = c->start;
     c->model->state_from_paper(pl->p, pl->segment.at[2], start, x);
     plant_set_state(pl, x);
-    lockin_start(&r->lockin, (uint32_t)(c->periods * s->steps), 1);
+    lockin_begin(&r->window, (uint32_t)(c->periods * s->steps));
+    r->sum = (struct lockin_sum){0.0, 0.0};
     return NULL;
 }
 
@@ -130,7 +131,12 @@ static void listen(void *run, const struct plant *pl)
     double output[MODEL_OUTPUTS], phase;
     const struct drive *d = &pl->drive[r->drive];
     pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
-    (void)lockin_add(&r->lockin, output[0], d->cosine, d->sine, &r->amplitude, &phase);
+    lockin_add(&r->sum, 1, lockin_weight(&r->window) * output[0], d->cosine, d->sine);
+    if (r->window.i_tick < r->window.n_ticks)
+        return;
+    lockin_polar(&r->sum, 2.0 / r->window.weight, &r->amplitude, &phase);
+    lockin_begin(&r->window, r->window.n_ticks);
+    r->sum = (struct lockin_sum){0.0, 0.0};
 }
 
 bool rate_advance(struct rate_run *r, const struct rate_case *c, uint32_t ticks)

@@ -39,9 +39,10 @@ struct rate_setting rate_setting(const struct rate_case *c, int i);
 struct rate_run {
     struct plant plant;
     double scratch[METHOD_SCRATCH];
-    struct lockin lockin; /* the first output's */
-    int drive;            /* at whose phase it listens */
-    double amplitude;     /* lock-in amplitude of the last whole window, model units */
+    struct lockin_window window;
+    struct lockin_sum sum; /* the first output's */
+    int drive;             /* at whose phase it listens */
+    double amplitude;      /* lock-in amplitude of the last whole window, model units */
 };
 
 /* NULL, or why the method refuses; with `force` its guard is passed over. */

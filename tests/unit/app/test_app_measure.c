@@ -253,36 +253,42 @@ TEST(app_lockin_linear)
     }
 }
 
-/* A fault stops the plant inside a frame, and a mean goes on without a drive: its window begins anew. Slots
- * of a drive that begins later have a window of their own. */
-TEST(app_lockin_own_windows)
+/* A fault stops the plant inside a frame: the window begins anew. So it does for all slots when a drive
+ * begins to sound or falls silent, for a tone that lasts half a window is none. */
+TEST(app_lockin_window)
 {
     const struct app_config c = bus_config();
-    const struct lockin *mean = &bus.app.lockin[3];
+    const struct lockin_window *w = &bus.app.lockin.window;
     bus_start_running(&bus, &c);
     set_all((const double[][2]){{SET_LOCKIN_FRAMES, 20}, {SET_LOCKIN_HARMONIC + 3, 0}}, 2);
     bus_run(&bus, 3);
-    check_int("ticks of whole frames", mean->i_tick % BUS_TICKS, 0);
-    check_above("of more than one", mean->i_tick, BUS_TICKS);
-    bus.app.lockin[3].i_tick -= 5;
+    check_int("ticks of whole frames", w->i_tick % BUS_TICKS, 0);
+    check_above("of more than one", w->i_tick, BUS_TICKS);
+    bus.app.lockin.window.i_tick -= 5;
     bus_run(&bus, 1);
-    check_int("anew with the frame after the fault", mean->i_tick, BUS_TICKS);
+    check_int("anew with the frame after the fault", w->i_tick, BUS_TICKS);
     bus_forget(&bus);
     bus_run(&bus, 18);
     check_int("no LOCKIN after 19 frames", bus_count(&bus, WIRE_LOCKIN), 0);
     bus_run(&bus, 1);
     check_int("one after 20", bus_count(&bus, WIRE_LOCKIN), 1);
+    for (int input = RIG_FORCE; input <= RIG_BASE; input += RIG_BASE - RIG_FORCE) {
+        bus_run(&bus, 7);
+        plant_drive_start(&bus.app.plant, input, 1e-9, 250.0, 0.0);
+        bus_forget(&bus);
+        bus_run(&bus, 19);
+        check_int("no LOCKIN in 19 frames of a drive", bus_count(&bus, WIRE_LOCKIN), 0);
+        bus_run(&bus, 1);
+        check_int("in 20: the mean, and the slots of the drives", bus_count(&bus, WIRE_LOCKIN),
+                  input == RIG_FORCE ? 3 : 4);
+    }
     bus_run(&bus, 7);
-    plant_drive_start(&bus.app.plant, RIG_FORCE, 8.0, 250.0, 0.0);
+    plant_drive_start(&bus.app.plant, RIG_BASE, 0.0, 250.0, 0.0);
     bus_forget(&bus);
-    bus_run(&bus, 12);
-    check_int("no LOCKIN before the mean's next window ends", bus_count(&bus, WIRE_LOCKIN), 0);
+    bus_run(&bus, 19);
+    check_int("no LOCKIN in 19 frames after one fell silent", bus_count(&bus, WIRE_LOCKIN), 0);
     bus_run(&bus, 1);
-    check_int("the mean's", bus_count(&bus, WIRE_LOCKIN), 1);
-    bus_run(&bus, 6);
-    check_int("no other in 19 frames of the drive", bus_count(&bus, WIRE_LOCKIN), 1);
-    bus_run(&bus, 1);
-    check_int("its two slots in 20", bus_count(&bus, WIRE_LOCKIN), 3);
+    check_int("in 20", bus_count(&bus, WIRE_LOCKIN), 3);
 }
 
 /* Settings of the lock-in that come with a FIRE inside a frame act on windows from the next frame on. A slot
@@ -319,7 +325,7 @@ TEST(app_lockin_fire)
         uint64_t next = bus.app.plant.now.tick + (uint64_t)tick;
         fire_settings((const double[][2]){{SET_LOCKIN_FRAMES, 0}}, 1, next, 128);
         bus_run(&bus, 1);
-        check_int("the set is in force", bus.app.lockin[3].n_ticks, 0);
+        check_int("the set is in force", bus.app.lockin.window.n_ticks, 0);
         bus_forget(&bus);
         bus_run(&bus, 4);
         check_int("LOCKIN of slots that are off", bus_count(&bus, WIRE_LOCKIN), 0);

@@ -255,6 +255,11 @@ TEST(wire_limits)
     check_near("angle -7 rad wraps", through(WIRE_LOCKIN, LOCKIN_PHASE, -7.0), 2.0 * M_PI - 7.0,
                M_PI / 65536.0);
     check_near("angle not a number", through(WIRE_LOCKIN, LOCKIN_PHASE, not_a_number), 0.0, 0.0);
+    struct message unknown = {.kind = WIRE_LOCKIN, .value = {2.0, not_a_number, 1.0}};
+    struct frame f;
+    wire_encode(&scene, &unknown, &f);
+    check_int("LOCKIN without an amplitude", wire_decode(&scene, &f, &unknown), WIRE_OK);
+    check_nan("has no phase", unknown.value[LOCKIN_PHASE]);
     check_near("float rounds to nearest", through(WIRE_ARM, ARM_VALUE, 0.1), (double)0.1f, 0.0);
     check_near("float largest", through(WIRE_ARM, ARM_VALUE, (double)FLT_MAX), (double)FLT_MAX, 0.0);
     check_is("float beyond is infinite", through(WIRE_ARM, ARM_VALUE, 1e300), ==, infinite);

@@ -55,19 +55,43 @@ static double complex expected(const struct tones *t)
     sum += 0.5 * t->amplitude * (hann_sum(0.0, t->phase, n) + hann_sum(-2.0 * w, -2.0 * a - t->phase, n));
     sum +=
         0.5 * t->other * (hann_sum(v - w, t->other_phase - a, n) + hann_sum(-v - w, -t->other_phase - a, n));
-    return (t->harmonic == 0 ? 1.0 : 2.0) / weight * sum;
+    return 2.0 / weight * sum;
+}
+
+/* A window, its sum and its harmonic. */
+struct slot {
+    struct lockin_window window;
+    struct lockin_sum sum;
+    uint32_t harmonic;
+};
+
+static void slot_start(struct slot *l, uint32_t n_ticks, uint32_t harmonic)
+{
+    *l = (struct slot){.harmonic = harmonic};
+    lockin_begin(&l->window, n_ticks);
+}
+
+/* True at the end of a window, and the next one begins. */
+static bool slot_add(struct slot *l, double y, double cosine, double sine, double *amplitude, double *phase)
+{
+    lockin_add(&l->sum, l->harmonic, lockin_weight(&l->window) * y, cosine, sine);
+    if (l->window.i_tick < l->window.n_ticks)
+        return false;
+    lockin_polar(&l->sum, 2.0 / l->window.weight, amplitude, phase);
+    slot_start(l, l->window.n_ticks, l->harmonic);
+    return true;
 }
 
 /* The result of the first window as a complex number; *at is the number of samples it took. */
 static double complex measured(const struct tones *t, uint32_t *at)
 {
-    struct lockin l;
+    struct slot l;
     double amplitude = -1.0, phase = 0.0;
-    lockin_start(&l, t->n_ticks, t->harmonic);
+    slot_start(&l, t->n_ticks, t->harmonic);
     for (*at = 0; *at < 2 * t->n_ticks;) {
         double theta = TWO_PI * (t->turns * *at + t->start);
         double y = signal_at(t, (*at)++);
-        if (lockin_add(&l, y, cos(theta), sin(theta), &amplitude, &phase))
+        if (slot_add(&l, y, cos(theta), sin(theta), &amplitude, &phase))
             break;
     }
     return amplitude * unit_at(phase);
@@ -82,11 +106,10 @@ TEST(lockin_closed_form)
         {640, 2, 0.0123, 0.6, -3.0, 1e-3, 1.5, 1.0, 0.0345678, 1.0},
         {640, 16, 0.0023, 0.6, -3.0, 4.0, 2.5, 1.0, 0.0345678, 1.0},
         {977, 3, 0.1, 0.25, 1.0, 1.0, 0.0, 0.5, 0.31, -2.0},
-        {64, 0, 0.1, 0.25, -1.5, 0.0, 0.0, 1.0, 0.31, -2.0},
         {2, 1, 0.1, 0.25, -1.5, 1.0, 0.4, 1.0, 0.31, -2.0},
         {1, 1, 0.1, 0.15, -1.5, 1.0, 0.4, 1.0, 0.31, -2.0},
     };
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 8; i++) {
         char name[80];
         uint32_t at;
         double complex z = measured(&CASE[i], &at), ideal = expected(&CASE[i]);
@@ -109,25 +132,20 @@ TEST(lockin_closed_form)
 /* Each window ends at its last tick and knows nothing of the one before. */
 TEST(lockin_windows)
 {
-    struct lockin l;
+    struct slot l;
     double amplitude = 0.0, phase = 0.0;
     int ends = 0, right = 0;
-    lockin_start(&l, 50, 1);
+    slot_start(&l, 50, 1);
     for (int k = 0; k < 500; k++) {
         double theta = TWO_PI * 0.1 * k, window = k / 50;
-        if (!lockin_add(&l, (1.0 + window) * cos(theta + 0.1 * window), cos(theta), sin(theta), &amplitude,
-                        &phase))
+        if (!slot_add(&l, (1.0 + window) * cos(theta + 0.1 * window), cos(theta), sin(theta), &amplitude,
+                      &phase))
             continue;
         ends++;
         right += k % 50 == 49 && fabs(amplitude - 1.0 - window) < 1e-13 && fabs(phase - 0.1 * window) < 1e-13;
     }
     check_int("windows in 500 ticks of 50", ends, 10);
     check_int("... each with its own amplitude and phase", right, 10);
-    lockin_start(&l, 0, 1);
-    int off = 0;
-    for (int k = 0; k < 100; k++)
-        off += lockin_add(&l, 1.0, 1.0, 0.0, &amplitude, &phase);
-    check_int("results of a slot that is off", off, 0);
 }
 
 TEST(lockin_leakage)
@@ -147,31 +165,16 @@ TEST(lockin_leakage)
     }
 }
 
-TEST(lockin_mean)
-{
-    struct lockin l;
-    double amplitude = 0.0, phase = 0.0;
-    lockin_start(&l, 3, 0);
-    for (int k = 0; k < 3; k++)
-        (void)lockin_add(&l, -0.25, 0.6, 0.8, &amplitude, &phase);
-    check_near("mean of -0.25: magnitude", amplitude, 0.25, 1e-15);
-    check_near("mean of -0.25: phase pi", phase, 3.141592653589793, 0.0);
-    for (int k = 0; k < 3; k++)
-        (void)lockin_add(&l, 0.25, 0.6, 0.8, &amplitude, &phase);
-    check_near("mean of 0.25: magnitude", amplitude, 0.25, 1e-15);
-    check_near("mean of 0.25: phase 0", phase, 0.0, 0.0);
-}
-
 /* The phasor is the drive's own: a frequency that doubles within the window changes nothing. */
 TEST(lockin_chirp)
 {
-    struct lockin l;
+    struct slot l;
     double amplitude = 0.0, phase = 0.0;
     int n = 10000;
-    lockin_start(&l, (uint32_t)n, 2);
+    slot_start(&l, (uint32_t)n, 2);
     for (int k = 0; k < n; k++) {
         double theta = TWO_PI * (0.02 * k + 0.01 / n * k * k);
-        (void)lockin_add(&l, 1.0 + 3.0 * cos(2.0 * theta - 1.0), cos(theta), sin(theta), &amplitude, &phase);
+        (void)slot_add(&l, 1.0 + 3.0 * cos(2.0 * theta - 1.0), cos(theta), sin(theta), &amplitude, &phase);
     }
     check_near("chirp: amplitude of harmonic 2", amplitude, 3.0, 1e-6);
     check_near("chirp: phase of harmonic 2", phase, -1.0, 1e-6);

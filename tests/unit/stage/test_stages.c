@@ -243,7 +243,8 @@ TEST(stages_lockin)
     bus_drive(&bus, RIG_FORCE, 2.0, 100.0, 0.0, 0.01);
     bus_fire(&bus, 1u << RIG_FORCE, false, bus.app.plant.now.tick + 20, 0);
     bus_run(&bus, 1000);
-    const struct lockin_result *truth = &bus.app.lockin_result[0], *sensor = &bus.app.lockin_result[2];
+    const struct lockin_result *truth = &bus.app.lockin.slot[0].result,
+                               *sensor = &bus.app.lockin.slot[2].result;
     const double lag = 2.0 * PI * 100.0 * 1e-3 / 16.0, half = cos(0.5 * lag);
     check_int("windows", truth->number > 3 && sensor->number == truth->number, 1);
     check_near("amplitude", sensor->amplitude / truth->amplitude, 0.5 * half, 1e-9);
