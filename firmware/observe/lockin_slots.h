@@ -31,8 +31,8 @@ struct lockin_output {
 
 struct lockin_slots {
     struct lockin_window window;
-    unsigned sounding;          /* bit i: drive i sounds in this window */
-    double turns[MODEL_INPUTS]; /* of the drives that sound, in rising order, since the window began */
+    unsigned sounding;                         /* bit i: drive i sounds in this window */
+    double turns[MODEL_INPUTS];                /* since the window began, by the drives that sound */
     struct lockin_output output[LOCKIN_SLOTS]; /* that of slot i, unless a slot before has the same one */
     struct {
         uint8_t harmonic, drive, output;
