@@ -5,6 +5,8 @@
 #include <stdarg.h>
 #include <stddef.h>
 
+typedef struct hosted_file FILE; /* for headers that name it: no function takes one here */
+
 int snprintf(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 int vsnprintf(char *text, size_t size, const char *format, va_list list)
     __attribute__((format(printf, 3, 0)));
