@@ -181,6 +181,16 @@ static const struct {
 
 enum { PARTS = sizeof part / sizeof part[0] };
 
+static int no_part(const char *text)
+{
+    const char *name[PARTS];
+    char advice[OPTIONS_ADVICE];
+    for (int i = 0; i < PARTS; i++)
+        name[i] = part[i].name;
+    return options_misuse(&list_usage, "nothing called \"%s\"%s", text,
+                          options_advise(text, strlen(text), name, PARTS, NULL, advice, sizeof advice));
+}
+
 int cmd_list(int argc, char **argv)
 {
     struct options o;
@@ -193,11 +203,7 @@ int cmd_list(int argc, char **argv)
             printed++;
         }
     if (!printed)
-        return options_misuse(
-            &list_usage,
-            "nothing called \"%s\"; write models, scenes, papers, settings, microscope, methods, "
-            "messages, counters or metrics",
-            o.word[0]);
+        return no_part(o.word[0]);
     return STATUS_DONE;
 }
 

@@ -32,12 +32,18 @@ static int find_number(const char *text)
 static int read_settings(struct afm_bench *b)
 {
     int status = 0;
+    struct scene_range_names own = {.n = STATION_NUMBERS};
+    struct scene_key key[STATION_NUMBERS];
+    for (int i = 0; i < STATION_NUMBERS; i++) {
+        scene_keys_parameter(&station_number[i], 0, &key[i]);
+        own.name[i] = key[i].name;
+    }
     for (int i = 0; i < options_count(&b->o, "set") && !status; i++) {
         const char *text = options_text(&b->o, "set", i), *equal = strchr(text, '=');
         int which = equal ? find_number(text) : -1;
         status = which >= 0
                      ? scene_range_parameter(b->usage, &station_number[which], equal, &b->number[which])
-                     : scene_range_setting(b->usage, &b->scene, text);
+                     : scene_range_setting(b->usage, &b->scene, text, &own);
     }
     return status;
 }

@@ -4,6 +4,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/out/plain.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
@@ -107,6 +108,13 @@ static int unknown(const struct usage *u, const char *name, int length)
     return options_misuse(u, "unknown option --%.*s", length, name);
 }
 
+/* Digits, a comma and digits, as in many countries. */
+static bool has_comma(const char *text)
+{
+    const char *comma = strchr(text, ',');
+    return comma && comma > text && isdigit((unsigned char)comma[-1]) && isdigit((unsigned char)comma[1]);
+}
+
 /* The value of a number option, checked; 0, or the exit status after a line. */
 static int read_value(const struct usage *u, struct given *g)
 {
@@ -114,8 +122,9 @@ static int read_value(const struct usage *u, struct given *g)
     if (p->kind != OPTION_NUMBER && p->kind != OPTION_INTEGER)
         return *g->text ? 0 : options_misuse(u, "--%s has an empty value; give %s", p->name, p->argument);
     if (!options_read_number(g->text, &g->number))
-        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %.10g to %.10g", p->name,
-                              g->text, p->min, p->max);
+        return options_misuse(u, "--%s: \"%s\" is not a finite number; give one from %.10g to %.10g%s",
+                              p->name, g->text, p->min, p->max,
+                              has_comma(g->text) ? ", with a point for the comma" : "");
     if (!(g->number >= p->min && g->number <= p->max))
         return options_misuse(u, "--%s: %s is out of range; give a number from %.10g to %.10g", p->name,
                               g->text, p->min, p->max);

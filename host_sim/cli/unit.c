@@ -15,6 +15,8 @@ enum {
     SHORT_TEXT = 32 /* sign, 17 digits, point, exponent */
 };
 
+#define PI 3.14159265358979323846
+
 static const char prefix[] = "fpnum kMG"; /* 10^-15, -12, .. 10^9 */
 
 static bool bare(const char *unit)
@@ -45,25 +47,32 @@ static size_t scan(const char *t, size_t n, size_t *mantissa, int *exponent)
     return i;
 }
 
-/* The n bytes of text are `unit`, any white space as one blank. */
+/* The n bytes of text are `unit`; its blanks may be left out or be others. */
 static bool same(const char *t, size_t n, const char *unit)
 {
     size_t i = 0;
     for (; *unit; unit++) {
-        if (i == n || (*unit == ' ' ? !isspace((unsigned char)t[i]) : t[i] != *unit))
+        if (*unit == ' ')
+            for (; i < n && isspace((unsigned char)t[i]);)
+                i++;
+        else if (i == n || t[i++] != *unit)
             return false;
-        for (i++; *unit == ' ' && i < n && isspace((unsigned char)t[i]);)
-            i++;
     }
     return i == n;
 }
 
-/* The decimal exponent by which a unit's text differs from the table's unit; false when it does not fit. */
-static bool shift_of(const char *t, size_t n, const char *unit, int *shift)
+/* One unit of the text in units of the table: 10^shift times `factor`. */
+struct scale {
+    int shift;
+    double factor;
+};
+
+/* The table's unit, or a decimal multiple of it. A kilogram's prefix is on the gram. */
+static bool is_multiple(const char *t, size_t n, const char *unit, struct scale *scale)
 {
-    bool gram = !strcmp(unit, "kg");
-    const char *base = gram ? "g" : unit, *p;
-    *shift = gram ? -3 : 0;
+    bool gram = !strncmp(unit, "kg", 2);
+    const char *base = gram ? unit + 1 : unit, *p;
+    *scale = (struct scale){gram ? -3 : 0, 1.0};
     if (bare(unit) || !n)
         return bare(unit) && !n;
     if (same(t, n, base))
@@ -71,27 +80,100 @@ static bool shift_of(const char *t, size_t n, const char *unit, int *shift)
     p = *t == ' ' ? NULL : strchr(prefix, *t);
     if (!p || !same(t + 1, n - 1, base))
         return false;
-    *shift += 3 * ((int)(p - prefix) - 5);
+    scale->shift += 3 * ((int)(p - prefix) - 5);
     return true;
+}
+
+/* Other units of what a table's unit measures. */
+static const struct {
+    const char *unit, *other;
+    struct scale scale;
+} other_table[] = {
+    {"", "%", {-2, 1.0}},           {"1", "%", {-2, 1.0}},           {"N s/m", "kg/s", {0, 1.0}},
+    {"s", "min", {0, 60.0}},        {"rad", "deg", {0, PI / 180.0}}, {"deg", "rad", {0, 180.0 / PI}},
+    {"Hz", "rpm", {0, 1.0 / 60.0}},
+};
+enum { OTHERS = sizeof other_table / sizeof other_table[0] };
+
+static bool scale_of(const char *t, size_t n, const char *unit, struct scale *scale)
+{
+    if (is_multiple(t, n, unit, scale))
+        return true;
+    for (int i = 0; i < OTHERS; i++) {
+        if (strcmp(unit, other_table[i].unit))
+            continue;
+        bool kilograms = !strncmp(other_table[i].other, "kg", 2);
+        if (kilograms && is_multiple(t, n, other_table[i].other, scale))
+            return true;
+        *scale = other_table[i].scale;
+        if (same(t, n, other_table[i].other))
+            return true;
+    }
+    return false;
+}
+
+/* ---- what a misspelt unit gets for an answer ---- */
+
+static bool same_letters(const char *t, size_t n, const char *word)
+{
+    size_t i = 0;
+    for (; i < n && word[i] && tolower((unsigned char)t[i]) == tolower((unsigned char)word[i]); i++)
+        ;
+    return i == n && !word[i];
+}
+
+/* The unit, or it with a prefix, that differs in capitals alone; the prefix as it stands counts first. */
+static const char *nearest(const char *t, size_t n, const char *unit, char text[UNIT_TEXT])
+{
+    bool gram = !strncmp(unit, "kg", 2);
+    const char *base = gram ? unit + 1 : unit;
+    if (!n || bare(unit))
+        return NULL;
+    if (same_letters(t, n, unit))
+        return unit;
+    for (int any = 0; any < 2; any++)
+        for (const char *p = prefix; *p; p++) {
+            snprintf(text, UNIT_TEXT, "%c%s", *p, base);
+            if (*p != ' ' && (any || *p == *t) && same_letters(t, n, text))
+                return text;
+        }
+    for (int i = 0; i < OTHERS; i++)
+        if (!strcmp(unit, other_table[i].unit) && same_letters(t, n, other_table[i].other))
+            return other_table[i].other;
+    return NULL;
 }
 
 static bool misfit(const char *t, size_t n, const char *unit, char *why)
 {
+    char text[UNIT_TEXT];
+    const char *near = nearest(t, n, unit, text), *other = NULL;
+    for (int i = 0; i < OTHERS; i++)
+        other = strcmp(unit, other_table[i].unit) ? other : other_table[i].other;
     if (bare(unit))
         snprintf(why, UNIT_REASON, "\"%.*s\" behind the number; this one has no unit", (int)n, t);
     else if (!n)
         snprintf(why, UNIT_REASON, "the unit is missing; it is %s", unit);
+    else if (near)
+        snprintf(why, UNIT_REASON, "the unit \"%.*s\" does not fit; did you mean %s?", (int)n, t, near);
     else
-        snprintf(why, UNIT_REASON, "the unit \"%.*s\" does not fit; give %s%s", (int)n, t, unit,
-                 strcmp(unit, "kg") ? ", or it with a prefix f p n u m k M G" : ", g, mg, ..");
+        snprintf(why, UNIT_REASON, "the unit \"%.*s\" does not fit; give %s%s%s%s", (int)n, t, unit,
+                 strcmp(unit, "kg") ? ", or it with a prefix f p n u m k M G" : ", g, mg, ..",
+                 other ? ", or " : "", other ? other : "");
     return false;
+}
+
+/* Digits, a comma and a digit, as in many countries. */
+static bool has_comma(const char *text, size_t length, size_t n)
+{
+    return length && length + 1 < n && text[length] == ',' && isdigit((unsigned char)text[length + 1]);
 }
 
 bool unit_read(const char *text, size_t n, const char *unit, double *value, char *why)
 {
     char number[NUMBER_TEXT + 16];
     size_t mantissa, length;
-    int exponent, shift;
+    int exponent;
+    struct scale scale;
     length = scan(text, n, &mantissa, &exponent);
     const char *rest = text + length;
     size_t n_rest = n - length;
@@ -104,9 +186,14 @@ bool unit_read(const char *text, size_t n, const char *unit, double *value, char
                  bare(unit) ? "" : " with a unit; give it in ", bare(unit) ? "" : unit);
         return false;
     }
+    if (has_comma(text, length, n)) {
+        snprintf(why, UNIT_REASON, "\"%.*s\": write the decimal comma as a point, %.*s.%c..",
+                 n < 40 ? (int)n : 40, text, (int)length, text, text[length + 1]);
+        return false;
+    }
     while (n_rest && isspace((unsigned char)*rest))
         rest++, n_rest--;
-    if (!shift_of(rest, n_rest, unit, &shift))
+    if (!scale_of(rest, n_rest, unit, &scale))
         return misfit(rest, n_rest < 40 ? n_rest : 40, unit, why);
     size_t n_digits = 0;
     for (size_t i = 0; i < mantissa; i++) {
@@ -116,12 +203,23 @@ bool unit_read(const char *text, size_t n, const char *unit, double *value, char
             exponent -= (int)(mantissa - i - 1);
     }
     /* without a point: strtod takes the one of the user's locale */
-    snprintf(number + n_digits, sizeof number - n_digits, "e%d", exponent + shift);
-    *value = strtod(number, NULL) + 0.0; /* and not -0 */
+    snprintf(number + n_digits, sizeof number - n_digits, "e%d", exponent + scale.shift);
+    *value = strtod(number, NULL) * scale.factor + 0.0; /* and not -0 */
     if (isfinite(*value))
         return true;
     snprintf(why, UNIT_REASON, "\"%.*s\" is too large for a number", n < 40 ? (int)n : 40, text);
     return false;
+}
+
+bool unit_read_or_bare(const char *text, size_t n, const char *unit, double *value, char *why)
+{
+    size_t mantissa;
+    int exponent;
+    while (n && isspace((unsigned char)*text))
+        text++, n--;
+    while (n && isspace((unsigned char)text[n - 1]))
+        n--;
+    return unit_read(text, n, n && scan(text, n, &mantissa, &exponent) == n ? "" : unit, value, why);
 }
 
 /* Digits d.ddd and decimal exponent of the shortest text that reads back. */

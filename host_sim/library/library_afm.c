@@ -82,9 +82,10 @@ int contactplant_afm_find(struct contactplant_afm *a, const char *name)
         if (name && !strcmp(name, names[i]))
             return i;
     }
-    const char *nearest = name ? options_nearest(name, names, NUMBERS) : NULL;
-    (void)library_fail(&a->error, CONTACTPLANT_BAD_NAME, "no number of the microscope is called \"%s\"%s%s",
-                       name ? name : "(NULL)", nearest ? "; did you mean " : "", nearest ? nearest : "");
+    char advice[OPTIONS_ADVICE];
+    name = name ? name : "(NULL)";
+    (void)library_fail(&a->error, CONTACTPLANT_BAD_NAME, "no number of the microscope is called \"%.80s\"%s",
+                       name, options_advise(name, strlen(name), names, NUMBERS, NULL, advice, sizeof advice));
     return -1;
 }
 

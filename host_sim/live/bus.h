@@ -19,7 +19,7 @@
 #include "hal/posix/udp.h"
 #include "host_sim/cli/options.h"
 
-enum { BUS_REASON = 256, BUS_PEERS = 16 };
+enum { BUS_REASON = 512, BUS_PEERS = 16 };
 
 enum bus_role { BUS_PLANT, BUS_CONTROLLER, BUS_MONITOR, BUS_SENDER };
 

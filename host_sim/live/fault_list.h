@@ -4,7 +4,7 @@
 
 #include "hal/link/faults.h"
 
-enum { FAULT_LIST_REASON = 256 };
+enum { FAULT_LIST_REASON = 512 };
 
 /* The syntax of the list, for the help. */
 #define FAULT_LIST_HELP                                                                                      \

@@ -39,23 +39,25 @@ static const struct usage send_usage = {
         "  reset                        brings the plant to rest and clears faults; when not running\n"
         "  arm INPUT [amplitude=A] [frequency=HZ] [phase=RAD] [ramp=S]\n"
         "            [noise=DEVIATION] [noise_hold=TICKS] [noise_seed=N]\n"
-        "                               prepares a harmonic drive and noise (SI) for fire\n"
+        "                               prepares a harmonic drive and noise for fire; with units\n"
+        "                               (amplitude=3 N phase=90 deg) or SI\n"
         "  fire                         applies all drives armed on this command line, at --tick or --in\n"
-        "  stream INPUT VALUE           sends one sample (SI) for the next frame but one\n"
-        "  set NAME=VALUE...            sets parameters and settings, all or none\n"
+        "  stream INPUT VALUE           sends one sample, SI or with its unit, for the next frame but one\n"
+        "  set NAME=VALUE...            sets parameters and settings, all or none: mass_kg=5\n"
+        "                               in SI, or mass=5 kg\n"
         "  read NAME                    prints one parameter or setting\n"
         "  capture arm | trigger | stop | read [FIRST COUNT]\n"
         "                               controls the burst capture; read prints CSV, once the burst is full\n"
         "INPUT is force, fast_force, base or stiffness for hertz_rig; contactplant list shows all names.\n",
-    .examples =
-        "  contactplant send enable + start --hold 10\n"
-        "  contactplant send start + arm force amplitude=5 frequency=200 ramp=0.5 + fire --in 20 --hold 10\n"
-        "  contactplant send start + arm force noise=5 noise_hold=4 noise_seed=7 + fire --hold 10\n"
-        "  contactplant send set damping_N_s_per_m=300 motion_every=2 + read damping_N_s_per_m\n"
-        "  contactplant send pause + step 100\n"
-        "  contactplant send stop\n"
-        "  contactplant send --bus can:can0 start + capture arm + capture trigger --hold 1\n"
-        "  contactplant send --bus can:can0 capture read > burst.csv\n",
+    .examples = "  contactplant send enable + start --hold 10\n"
+                "  contactplant send start + arm force amplitude=5 N frequency=200 Hz ramp=0.5 s + fire --in "
+                "20 --hold 10\n"
+                "  contactplant send start + arm force noise=5 noise_hold=4 noise_seed=7 + fire --hold 10\n"
+                "  contactplant send set damping_N_s_per_m=300 motion_every=2 + read damping_N_s_per_m\n"
+                "  contactplant send pause + step 100\n"
+                "  contactplant send stop\n"
+                "  contactplant send --bus can:can0 start + capture arm + capture trigger --hold 1\n"
+                "  contactplant send --bus can:can0 capture read > burst.csv\n",
     .min_words = 1,
     .max_words = OPTIONS_WORDS,
     .table = {send_options, bus_options, scene_options},
@@ -71,9 +73,9 @@ static const struct send_verb *find_verb(const struct sender *s, const char *nam
         if (!strcmp(names[i], name))
             return &send_verb[i];
     }
-    const char *nearest = options_nearest(name, names, SEND_VERBS);
-    options_misuse(s->o->usage, "unknown command \"%s\"%s%s%s", name, nearest ? "; did you mean " : "",
-                   nearest ? nearest : "", nearest ? "?" : "");
+    char advice[OPTIONS_ADVICE];
+    options_misuse(s->o->usage, "unknown command \"%s\"%s", name,
+                   options_advise(name, strlen(name), names, SEND_VERBS, NULL, advice, sizeof advice));
     return NULL;
 }
 

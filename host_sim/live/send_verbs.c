@@ -2,13 +2,16 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/unit.h"
 #include "host_sim/live/send.h"
+#include "host_sim/scene/scene_words.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { SETS_MAX = 32, NAME_SIZE = 64 };
+enum { SETS_MAX = 32, TEXT = 4096 };
 static const double objection_s = 0.05;
 
 /* After commands that are answered only when refused. */
@@ -105,46 +108,56 @@ static int run_until(struct sender *s, int n, const char *const *word)
 
 static int find_input(const struct sender *s, const char *name)
 {
-    int i = names_find(send_model(s), NAMES_INPUT, name);
+    const struct model *m = send_model(s);
+    const char *known[MODEL_INPUTS];
+    char advice[OPTIONS_ADVICE];
+    int i = names_find(m, NAMES_INPUT, name);
+    for (int k = 0; k < m->n_inputs; k++)
+        known[k] = m->input_signal[k].name;
     if (i < 0)
-        options_misuse(s->o->usage, "no input \"%s\"; contactplant list shows them", name);
+        options_misuse(s->o->usage, "no input \"%s\"%s", name,
+                       options_advise(name, strlen(name), known, m->n_inputs, NULL, advice, sizeof advice));
     return i;
 }
 
-/* FIELD=VALUE words into value[], NaN where not given. */
-static int read_fields(const struct sender *s, int n, const char *const *word, double *value)
+/* The words as one text: a unit may be a word of its own. 0, or the exit status after a line. */
+static int join(const struct sender *s, int n, const char *const *word, char text[TEXT])
 {
-    char name[NAME_SIZE];
+    size_t used = 0;
+    *text = '\0';
+    for (int i = 0; i < n && used < TEXT; i++)
+        used += (size_t)snprintf(text + used, TEXT - used, "%s%s", i ? " " : "", word[i]);
+    return used < TEXT ? 0 : options_misuse(s->o->usage, "%s: too many letters", word[0]);
+}
+
+/* FIELD=VALUE words into value[], NaN where not given. */
+static int read_fields(const struct sender *s, int input, int n, const char *const *word, double *value)
+{
+    char text[TEXT], why[SCENE_REASON] = "";
+    struct word name, x, rest;
     for (int i = 0; i < ARM_FIELDS; i++)
         value[i] = (double)NAN;
-    for (int i = 0; i < n; i++) {
-        double x;
-        int field = options_read_setting(word[i], name, sizeof name, &x)
-                        ? names_find(send_model(s), NAMES_ARM, name)
-                        : -1;
-        if (field < 0)
-            return options_misuse(s->o->usage,
-                                  "arm: \"%s\" is not amplitude=, frequency=, phase=, ramp=, noise=, "
-                                  "noise_hold= or noise_seed= with a finite number",
-                                  word[i]);
-        if (field != ARM_AMPLITUDE && field != ARM_PHASE && x < 0.0)
-            return options_misuse(s->o->usage, "arm: %s is negative; give 0 or more", word[i]);
-        value[field] = x;
-    }
-    return 0;
+    if (join(s, n, word, text))
+        return STATUS_MISUSED;
+    rest = (struct word){text, strlen(text)};
+    while (scene_words_next(&rest, &name, &x, why))
+        if (scene_words_field(send_model(s), input, name, x, value, why) < 0)
+            break;
+    return *why ? options_misuse(s->o->usage, "arm: %s", why) : 0;
 }
 
 static int check_arm(const struct sender *s, int n, const char *const *word)
 {
     double value[ARM_FIELDS];
-    return find_input(s, word[0]) < 0 ? STATUS_MISUSED : read_fields(s, n - 1, word + 1, value);
+    int i = find_input(s, word[0]);
+    return i < 0 ? STATUS_MISUSED : read_fields(s, i, n - 1, word + 1, value);
 }
 
 static int run_arm(struct sender *s, int n, const char *const *word)
 {
     double value[ARM_FIELDS];
     int i = find_input(s, word[0]);
-    (void)read_fields(s, n - 1, word + 1, value);
+    (void)read_fields(s, i, n - 1, word + 1, value);
     send_expect(s, WIRE_ARM + (unsigned)i);
     for (int twice = 0; twice < 2; twice++) /* the first frame may repeat a counter of the session's owner */
         client_arm_fields(&s->station.client, i, value);
@@ -180,23 +193,29 @@ static int run_fire(struct sender *s, int n, const char *const *word)
     return send_no_answer(s, "fire");
 }
 
+/* VALUE, with its unit or SI. */
+static int read_sample(const struct sender *s, int input, int n, const char *const *word, double *x)
+{
+    char text[TEXT], why[UNIT_REASON];
+    if (join(s, n, word, text))
+        return STATUS_MISUSED;
+    return unit_read_or_bare(text, strlen(text), send_model(s)->input_signal[input].unit, x, why)
+               ? 0
+               : options_misuse(s->o->usage, "stream: %s", why);
+}
+
 static int check_stream(const struct sender *s, int n, const char *const *word)
 {
     double x;
-    (void)n;
-    if (find_input(s, word[0]) < 0)
-        return STATUS_MISUSED;
-    return options_read_number(word[1], &x)
-               ? 0
-               : options_misuse(s->o->usage, "stream: \"%s\" is not a finite number", word[1]);
+    int i = find_input(s, word[0]);
+    return i < 0 ? STATUS_MISUSED : read_sample(s, i, n - 1, word + 1, &x);
 }
 
 static int run_stream(struct sender *s, int n, const char *const *word)
 {
     double x = 0.0;
     int i = find_input(s, word[0]);
-    (void)n;
-    (void)options_read_number(word[1], &x);
+    (void)read_sample(s, i, n - 1, word + 1, &x);
     client_poll(&s->station.client);
     send_expect(s, WIRE_STREAM + (unsigned)i);
     for (int twice = 0; twice < 2; twice++) /* as for arm */
@@ -205,35 +224,43 @@ static int run_stream(struct sender *s, int n, const char *const *word)
     return wait_objection(s);
 }
 
-static int read_sets(const struct sender *s, int n, const char *const *word, unsigned *index, double *value)
+/* 0 and how many, or the exit status after a line. */
+static int read_sets(const struct sender *s, int n, const char *const *word, unsigned *index, double *value,
+                     int *count)
 {
-    char name[NAME_SIZE], why[SCENE_REASON];
-    for (int i = 0; i < n; i++) {
-        if (!options_read_setting(word[i], name, sizeof name, &value[i]))
-            return options_misuse(s->o->usage, "set %s: write NAME=VALUE with a finite number", word[i]);
-        int found = scene_find(send_model(s), name, why);
-        if (found < 0 || !scene_accepts(send_model(s), found, value[i], why))
-            return options_misuse(s->o->usage, "%s", why);
-        index[i] = (unsigned)found;
+    char text[TEXT], why[SCENE_REASON] = "";
+    struct word name, x, rest;
+    if (join(s, n, word, text))
+        return STATUS_MISUSED;
+    rest = (struct word){text, strlen(text)};
+    for (*count = 0; scene_words_next(&rest, &name, &x, why); (*count)++) {
+        if (*count == SETS_MAX)
+            return options_misuse(s->o->usage, "set: more than %d values", SETS_MAX);
+        int found = scene_words_read(send_model(s), name, x, &value[*count], why);
+        if (found < 0)
+            break;
+        index[*count] = (unsigned)found;
     }
-    return 0;
+    return *why ? options_misuse(s->o->usage, "set: %s", why) : 0;
 }
 
 static int check_set(const struct sender *s, int n, const char *const *word)
 {
     unsigned index[SETS_MAX];
     double value[SETS_MAX];
-    return read_sets(s, n, word, index, value);
+    int count;
+    return read_sets(s, n, word, index, value, &count);
 }
 
 static int run_set(struct sender *s, int n, const char *const *word)
 {
     unsigned index[SETS_MAX];
     double value[SETS_MAX];
-    (void)read_sets(s, n, word, index, value);
+    int count;
+    (void)read_sets(s, n, word, index, value, &count);
     send_expect(s, WIRE_PARAM_COMMIT);
     for (int i = 0; i < SEND_TRIES; i++) {
-        client_set(&s->station.client, n, index, value, COMMIT_NOW);
+        client_set(&s->station.client, count, index, value, COMMIT_NOW);
         if (send_answer(s))
             return s->refused ? STATUS_FAILED : STATUS_DONE;
     }
@@ -268,10 +295,10 @@ const struct send_verb send_verb[SEND_VERBS] = {
     {"step", 1, 1, check_step, run_step},
     {"run-until", 1, 1, check_until, run_until},
     {"reset", 0, 0, NULL, run_reset},
-    {"arm", 2, 1 + ARM_FIELDS, check_arm, run_arm},
+    {"arm", 2, OPTIONS_WORDS, check_arm, run_arm},
     {"fire", 0, 0, check_fire, run_fire},
-    {"stream", 2, 2, check_stream, run_stream},
-    {"set", 1, SETS_MAX, check_set, run_set},
+    {"stream", 2, OPTIONS_WORDS, check_stream, run_stream},
+    {"set", 1, OPTIONS_WORDS, check_set, run_set},
     {"read", 1, 1, check_read, run_read},
     {"capture", 1, 3, send_check_capture, send_run_capture},
 };

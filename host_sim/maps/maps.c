@@ -32,12 +32,15 @@ int maps_load(struct maps *m)
 int maps_load_method(struct maps *m, double tol_most)
 {
     const char *name = options_given(&m->o, "method") ? options_text(&m->o, "method", 0) : m->scene.method;
+    char why[SCENE_REASON];
     m->method = method_find(name);
     m->tol = options_given(&m->o, "tol") ? options_number(&m->o, "tol") : fmin(m->scene.tolerance, tol_most);
-    if (m->method)
-        scene_load_tell_tolerance(&m->o, m->scene.model, m->method);
-    return m->method ? 0
-                     : options_misuse(m->o.usage, "%s: no such method; contactplant list shows them", name);
+    if (!m->method) {
+        scene_method_refuse(name, why);
+        return options_misuse(m->o.usage, "%s", why);
+    }
+    scene_load_tell_tolerance(&m->o, m->scene.model, m->method);
+    return 0;
 }
 
 void maps_resolve(const struct scene *s, struct maps_point *q)
@@ -91,12 +94,11 @@ double maps_damping(const struct model *m, const double *p)
 int maps_read_time(const struct maps *m, const char *name, double *value)
 {
     const char *text = options_text(&m->o, name, 0), *unit = scenes_dimensionless(&m->scene) ? "" : "s";
-    char why[UNIT_REASON], ignored[UNIT_REASON];
+    char why[UNIT_REASON];
     double time;
     if (!text)
         return 0;
-    if (!unit_read(text, strlen(text), unit, &time, why) &&
-        !unit_read(text, strlen(text), "", &time, ignored))
+    if (!unit_read_or_bare(text, strlen(text), unit, &time, why))
         return options_misuse(m->o.usage, "--%s %s: %s", name, text, why);
     if (!(time >= 1e-12 && time <= 1e12))
         return options_misuse(m->o.usage, "--%s %s: give a time above 0", name, text);

@@ -159,7 +159,7 @@ enum compare_verdict compare_logs(const struct compare *c, char *text)
 
 static int read_tolerance(const struct options *o, const struct model *m, const char *word, struct compare *c)
 {
-    char name[DECODE_SIGNALS][DECODE_NAME], why[UNIT_REASON], given[DECODE_NAME];
+    char name[DECODE_SIGNALS][DECODE_NAME], why[UNIT_REASON], advice[OPTIONS_ADVICE];
     const char *names[DECODE_SIGNALS], *equal = strchr(word, '=');
     int n = decode_signals(m);
     size_t length = equal ? (size_t)(equal - word) : 0;
@@ -174,10 +174,8 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
             return options_misuse(o->usage, "%s: %s", word, why);
         return c->tolerance[i] >= 0.0 ? 0 : options_misuse(o->usage, "%s: a tolerance is 0 or more", word);
     }
-    snprintf(given, sizeof given, "%.*s", (int)length, word);
-    const char *nearest = options_nearest(given, names, n);
-    return options_misuse(o->usage, "%s: no such signal%s%s%s", word, nearest ? "; did you mean " : "",
-                          nearest ? nearest : "", nearest ? "?" : "");
+    return options_misuse(o->usage, "%s: no such signal%s", word,
+                          options_advise(word, length, names, n, NULL, advice, sizeof advice));
 }
 
 int cmd_compare(int argc, char **argv)

@@ -1,5 +1,6 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene/scene.h"
+#include "host_sim/scene/scene_words.h"
 #include "firmware/afm/afm_plant.h"
 #include "models/models.h"
 
@@ -13,7 +14,8 @@ enum {
 };
 
 const struct option scene_options[] = {
-    {"set", "NAME=VALUE", "a model parameter in SI units, see contactplant list models; repeatable",
+    {"set", "NAME=VALUE",
+     "a model parameter, SI or with its unit (\"mass=5 kg\"), see contactplant list models; repeatable",
      OPTION_TEXT, .many = true},
     {"setting", "NAME=VALUE", "an app setting, see contactplant list settings; repeatable", OPTION_TEXT,
      .many = true},
@@ -96,15 +98,17 @@ void scene_free(struct scene_app *s)
 static bool take_settings(struct scene_app *s, const struct options *o, const char *option, char *why)
 {
     for (int i = 0; i < options_count(o, option); i++) {
-        const char *text = options_text(o, option, i);
-        char name[NAME_SIZE];
+        const char *text = options_text(o, option, i), *equal = strchr(text, '=');
         double value;
-        if (!options_read_setting(text, name, sizeof name, &value)) {
+        if (!equal || equal == text) {
             snprintf(why, SCENE_REASON, "--%s %s: write NAME=VALUE with a finite number", option, text);
             return false;
         }
-        if (!scene_set(s, name, value, why))
+        int index = scene_words_read(s->config.model, (struct word){text, (size_t)(equal - text)},
+                                     (struct word){equal + 1, strlen(equal + 1)}, &value, why);
+        if (index < 0)
             return false;
+        scene_set(s, index, value);
     }
     return true;
 }
@@ -132,7 +136,7 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         snprintf(why, SCENE_REASON, "--method %s: a microscope has a method of its own; leave it out",
                  method);
     else if (!c->method)
-        snprintf(why, SCENE_REASON, "no method \"%s\"; contactplant list shows them all", method);
+        scene_method_refuse(method, why);
     else if (c->base_id % WIRE_BASE_ALIGN)
         snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id,
                  WIRE_BASE_ALIGN, c->base_id / WIRE_BASE_ALIGN * WIRE_BASE_ALIGN);

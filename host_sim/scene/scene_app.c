@@ -27,11 +27,10 @@ int scene_find(const struct model *m, const char *name, char *why)
     for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++)
         if (names_text(m, NAMES_PARAMETER, i))
             names[n++] = names_text(m, NAMES_PARAMETER, i);
-    const char *nearest = options_nearest(name, names, n);
-    if (nearest)
-        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; did you mean %s?", name, nearest);
-    else
-        snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"; contactplant list shows them all", name);
+    char advice[OPTIONS_ADVICE];
+    snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"%s", name,
+             options_advise(name, strlen(name), names, n, "contactplant list shows them all", advice,
+                            sizeof advice));
     return -1;
 }
 
@@ -49,16 +48,12 @@ bool scene_accepts(const struct model *m, int index, double value, char *why)
     return false;
 }
 
-bool scene_set(struct scene_app *s, const char *name, double value, char *why)
+void scene_set(struct scene_app *s, int index, double value)
 {
-    int index = scene_find(s->config.model, name, why);
-    if (index < 0 || !scene_accepts(s->config.model, index, value, why))
-        return false;
     if (index >= SETTING_FIRST)
         s->setting[index - SETTING_FIRST] = value;
     else
         s->si[index] = value;
-    return true;
 }
 
 bool scene_stage_settings(const struct scene *s, double setting[SETTINGS])

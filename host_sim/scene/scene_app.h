@@ -33,9 +33,8 @@ void scene_app_default_settings(struct scene_app *s);
  * caller's. False: why[SCENE_REASON] says what is wrong. */
 bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why);
 
-/* Sets a model parameter or an app setting, checked against its table. False: why[SCENE_REASON] says what
- * is wrong. */
-bool scene_set(struct scene_app *s, const char *name, double value, char *why);
+/* Sets a model parameter or an app setting by its wire index, to a value that was checked. */
+void scene_set(struct scene_app *s, int index, double value);
 
 /* A parameter or setting by name, as its wire index; -1 and why when there is none, naming the nearest. */
 int scene_find(const struct model *m, const char *name, char *why);

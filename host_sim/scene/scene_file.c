@@ -50,12 +50,13 @@ static int find_name(const struct model *m, enum scene_key_kind kind, struct wor
 static bool set_name(struct reader *r, struct line *l, const struct scene_key *k)
 {
     const char *name[NAMES];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     int n, i = find_name(r->scene.model, k->kind, l->value, name, &n);
     if (i < 0)
         return scene_lines_wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name,
                                  k->kind == KEY_PROMOTE ? "model" : k->full, scene_text_shown(l->value),
-                                 l->value.at, scene_text_advice(l->value, name, n, text));
+                                 l->value.at,
+                                 options_advise(l->value.at, l->value.n, name, n, NULL, text, sizeof text));
     if (k->kind == KEY_METHOD)
         r->scene.method = method_table[i]->name;
     if (k->kind == KEY_OBSERVABLE)
@@ -92,7 +93,7 @@ static bool no_key(struct reader *r, const struct line *l, int input)
 {
     struct scene_key key[SCENE_KEYS];
     const char *name[SCENE_KEYS];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     int n = 0;
     for (; n < SCENE_KEYS && scene_keys_get(&r->scene, l->section, input, n, &key[n]); n++)
         name[n] = key[n].name;
@@ -110,7 +111,7 @@ static bool no_key(struct reader *r, const struct line *l, int input)
             scene_text_shown(l->key), l->key.at);
     return scene_lines_wrong(r, l->number, "%.*s: no such key in [%s] of %s%s", scene_text_shown(l->key),
                              l->key.at, scene_section_name[l->section], r->scene.model->name,
-                             scene_text_advice(l->key, name, n, text));
+                             options_advise(l->key.at, l->key.n, name, n, NULL, text, sizeof text));
 }
 
 /* The input of a drive, the input or output of a stage; -1: there is none of this name. */
@@ -129,7 +130,7 @@ static bool no_signal(struct reader *r, const struct line *l)
 {
     const struct model *m = r->scene.model;
     const char *name[MODEL_INPUTS + MODEL_OUTPUTS];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     int n = 0;
     for (int i = 0; i < m->n_inputs; i++)
         name[n++] = m->input_signal[i].name;
@@ -138,7 +139,7 @@ static bool no_signal(struct reader *r, const struct line *l)
     return scene_lines_wrong(r, l->number, "[%s %.*s]: %s has no such %s%s", scene_section_name[l->section],
                              scene_text_shown(l->input), l->input.at, m->name,
                              l->section == SECTION_STAGE ? "signal" : "input",
-                             scene_text_advice(l->input, name, n, text));
+                             options_advise(l->input.at, l->input.n, name, n, NULL, text, sizeof text));
 }
 
 /* The line of a section, but for its keys. */
@@ -160,7 +161,7 @@ static bool set_preset(struct reader *r, struct line *l, int signal)
 {
     const struct model *m = r->scene.model;
     const char *name[SCENE_STAGE_PRESETS], *unit;
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     unit =
         signal < MODEL_INPUTS ? m->input_signal[signal].unit : m->output_signal[signal - MODEL_INPUTS].unit;
     if (!(l > r->line && l[-1].header))
@@ -174,7 +175,8 @@ static bool set_preset(struct reader *r, struct line *l, int signal)
                ? true
                : scene_lines_wrong(r, l->number, "preset: no preset of a stage is called \"%.*s\"%s",
                                    scene_text_shown(l->value), l->value.at,
-                                   scene_text_advice(l->value, name, SCENE_STAGE_PRESETS, text));
+                                   options_advise(l->value.at, l->value.n, name, SCENE_STAGE_PRESETS, NULL,
+                                                  text, sizeof text));
 }
 
 static bool set_line(struct reader *r, struct line *l)
@@ -219,11 +221,19 @@ static bool no_model(struct reader *r)
     return scene_lines_wrong(r, 0, "no model; write [plant] and below it, for instance, model = hertz_rig");
 }
 
+static bool is_preset(struct word w)
+{
+    for (int i = 0; i < SCENES; i++)
+        if (scene_text_is(w, scenes_table[i].name))
+            return true;
+    return false;
+}
+
 /* The model first: the other keys are its own. */
 static bool find_model(struct reader *r)
 {
     const char *name[NAMES];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     const struct line *found = NULL;
     bool paper = false;
     for (int i = 0; i < r->n; i++) {
@@ -235,10 +245,16 @@ static bool find_model(struct reader *r)
     if (!found)
         return no_model(r);
     int n, i = find_name(NULL, KEY_MODEL, found->value, name, &n);
+    if (i < 0 && is_preset(found->value))
+        return scene_lines_wrong(
+            r, found->number,
+            "model: %.*s is a preset, of which contactplant scene %.*s prints the file; its "
+            "first lines name the model",
+            scene_text_shown(found->value), found->value.at, scene_text_shown(found->value), found->value.at);
     if (i < 0)
-        return scene_lines_wrong(r, found->number, "model: no model \"%.*s\"%s",
-                                 scene_text_shown(found->value), found->value.at,
-                                 scene_text_advice(found->value, name, n, text));
+        return scene_lines_wrong(
+            r, found->number, "model: no model \"%.*s\"%s", scene_text_shown(found->value), found->value.at,
+            options_advise(found->value.at, found->value.n, name, n, NULL, text, sizeof text));
     scene_default(&r->scene, i);
     r->scene.paper = paper;
     for (int k = 0; k < MODEL_PARAMETERS && paper; k++)

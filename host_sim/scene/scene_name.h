@@ -40,4 +40,8 @@ enum scene_origin scene_name_find(const char *name, struct scene *s);
 /* Into why[SCENE_REASON]: there is no such `kind` ("model or preset"), and the nearest name. */
 void scene_name_refuse(const char *kind, const char *name, char *why);
 
+/* Refuses a method in this way. And the names of all: name has room for METHODS; returns how many. */
+void scene_method_refuse(const char *method, char *why);
+int scene_method_names(const char **name);
+
 #endif

@@ -6,7 +6,7 @@
 #include <string.h>
 #include "host_sim/cli/unit.h"
 
-enum { WORD = 64, PARTS = 4, ALL = 1024 };
+enum { WORD = 64, PARTS = 4, ADVICE = 2048 };
 
 /* ---- names ---- */
 
@@ -65,31 +65,13 @@ bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
     return true;
 }
 
-/* Suggests the nearest name, for `frequency` the first `INPUT.frequency`; where none is near, all of them. */
-static int no_number(const struct usage *u, const char *own, const char *const *names, int n)
-{
-    const char *nearest = NULL;
-    char all[ALL] = "";
-    for (int i = 0; i < n; i++) {
-        const char *dot = strchr(names[i], '.');
-        size_t length = strlen(all);
-        if (dot && !strcmp(dot + 1, own) && !nearest)
-            nearest = names[i];
-        snprintf(all + length, ALL - length, "%s%s", i ? ", " : "", names[i]);
-    }
-    nearest = nearest ? nearest : options_nearest(own, names, n);
-    if (nearest)
-        return options_misuse(u, "%s: no such number in this scene; did you mean %s?", own, nearest);
-    return options_misuse(u, "\"%s\": no such number in this scene; there are %s", own, all);
-}
-
 int scene_range_find(const struct usage *u, const struct scene *s, const char *name, size_t n,
-                     struct scene_range *r)
+                     const struct scene_range_names *also, struct scene_range *r)
 {
     enum { KEYS = 2 * MODEL_PARAMETERS + 8 * MODEL_INPUTS };
     static char text[KEYS][WORD];
-    const char *names[KEYS];
-    char own[WORD];
+    const char *names[KEYS + SCENE_RANGE_ALSO];
+    char advice[ADVICE];
     int count = 0;
     for (int i = 0; scene_range_nth(s, i, r); i++) {
         const char *input = input_of(s, r);
@@ -103,20 +85,22 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
         names[count] = text[count];
         count++;
     }
-    snprintf(own, sizeof own, "%.*s", (int)n, name);
-    return no_number(u, own, names, count);
+    for (int i = 0; also && i < also->n; i++)
+        names[count++] = also->name[i];
+    return options_misuse(u, "%.*s: no such number in this scene%s", (int)n, name,
+                          options_advise(name, n, names, count, NULL, advice, sizeof advice));
 }
 
 /* A number with its unit, or in the unit of the table without one. */
 static int read_number(const struct usage *u, const struct scene_range *r, const char *text, size_t n,
                        double *value)
 {
-    char why[UNIT_REASON], ignored[UNIT_REASON];
+    char why[UNIT_REASON];
     const struct scene_key *k = &r->key;
     const char *blank = *k->unit ? " " : "";
     while (n && *text == ' ')
         text++, n--;
-    if (!unit_read(text, n, k->unit, value, why) && !unit_read(text, n, "", value, ignored))
+    if (!unit_read_or_bare(text, n, k->unit, value, why))
         return options_misuse(u, "%s: %s", r->column, why);
     if (!(*value >= k->min && *value <= k->max))
         return options_misuse(u, "%s: %.*s is out of range; give %g to %g%s%s", r->column, (int)n, text,
@@ -129,14 +113,15 @@ void scene_range_set(struct scene *sc, const struct scene_range *r, double value
     scene_keys_set(sc, &r->key, value);
 }
 
-int scene_range_setting(const struct usage *u, struct scene *s, const char *text)
+int scene_range_setting(const struct usage *u, struct scene *s, const char *text,
+                        const struct scene_range_names *also)
 {
     const char *equal = strchr(text, '=');
     struct scene_range r;
     double value;
     if (!equal)
         return options_misuse(u, "--set %s: write NAME=VALUE", text);
-    int status = scene_range_find(u, s, text, (size_t)(equal - text), &r);
+    int status = scene_range_find(u, s, text, (size_t)(equal - text), also, &r);
     status = status ? status : read_number(u, &r, equal + 1, strlen(equal + 1), &value);
     if (!status)
         scene_range_set(s, &r, value);
@@ -147,7 +132,7 @@ int scene_range_settings(const struct options *o, struct scene *s)
 {
     int status = 0;
     for (int i = 0; i < options_count(o, "set") && !status; i++)
-        status = scene_range_setting(o->usage, s, options_text(o, "set", i));
+        status = scene_range_setting(o->usage, s, options_text(o, "set", i), NULL);
     return status;
 }
 
@@ -204,7 +189,7 @@ int scene_range_read(const struct usage *u, const struct scene *s, const char *o
     const char *equal = strchr(text, '=');
     if (!equal)
         return options_misuse(u, "--%s %s: write NAME=FROM:TO:N, or NAME=FROM:TO:N:log", option, text);
-    int status = scene_range_find(u, s, text, (size_t)(equal - text), r);
+    int status = scene_range_find(u, s, text, (size_t)(equal - text), NULL, r);
     return status ? status : scene_range_limits(u, option, text, r);
 }
 

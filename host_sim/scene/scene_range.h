@@ -26,9 +26,16 @@ struct scene_range {
     bool logarithmic;
 };
 
+/* Names of a command's own numbers, for the line that refuses one; NULL for none. */
+enum { SCENE_RANGE_ALSO = 96 };
+struct scene_range_names {
+    const char *name[SCENE_RANGE_ALSO];
+    int n;
+};
+
 /* The number that is called name[0..n-1]: key, column and input of *r. */
 int scene_range_find(const struct usage *u, const struct scene *s, const char *name, size_t n,
-                     struct scene_range *r);
+                     const struct scene_range_names *also, struct scene_range *r);
 
 /* NAME=FROM:TO:N or NAME=FROM:TO:N:log, the text of --option. */
 int scene_range_read(const struct usage *u, const struct scene *s, const char *option, const char *text,
@@ -39,7 +46,8 @@ int scene_range_limits(const struct usage *u, const char *option, const char *te
 
 /* Every --set NAME=VALUE into the scene; and one of them. */
 int scene_range_settings(const struct options *o, struct scene *s);
-int scene_range_setting(const struct usage *u, struct scene *s, const char *text);
+int scene_range_setting(const struct usage *u, struct scene *s, const char *text,
+                        const struct scene_range_names *also);
 
 /* The value behind the equal sign of NAME=VALUE, for a number of another table. */
 int scene_range_parameter(const struct usage *u, const struct parameter *p, const char *equal, double *value);

@@ -5,7 +5,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include "host_sim/cli/options.h"
 #include "host_sim/cli/quotes.h"
 
 enum { FILE_SHOWN = 120 /* a file's name in a message is cut to it */ };
@@ -53,22 +52,6 @@ bool scene_text_wrong(const char *file, int line, char *why, const char *format,
     vsnprintf(why + n, (size_t)(SCENE_FILE_REASON - n), format, list);
     va_end(list);
     return false;
-}
-
-const char *scene_text_advice(struct word w, const char *const *name, int n, char text[SCENE_FILE_REASON / 2])
-{
-    char own[SCENE_TEXT_SHOWN + 1];
-    snprintf(own, sizeof own, "%.*s", scene_text_shown(w), w.at);
-    const char *nearest = options_nearest(own, name, n);
-    size_t length =
-        (size_t)snprintf(text, SCENE_FILE_REASON / 2, nearest ? "; did you mean %s?" : "; there %s",
-                         nearest  ? nearest
-                         : n == 1 ? "is"
-                                  : "are");
-    for (int i = 0; i < n && !nearest && length < SCENE_FILE_REASON / 2; i++)
-        length +=
-            (size_t)snprintf(text + length, SCENE_FILE_REASON / 2 - length, "%s %s", i ? "," : "", name[i]);
-    return text;
 }
 
 /* 0, or the first byte of the line that is no plain text. */

@@ -28,10 +28,6 @@ struct word scene_text_take(struct word *rest);
 bool scene_text_wrong(const char *file, int line, char *why, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* `; did you mean X?`, or `; there are X, Y, ..` where nothing is near. */
-const char *scene_text_advice(struct word w, const char *const *name, int n,
-                              char text[SCENE_FILE_REASON / 2]);
-
 /* A text, and how far it was read. All but `line` is the caller's to set. */
 struct scene_text {
     const char *file, *what; /* "scene" */

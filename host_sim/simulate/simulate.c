@@ -491,7 +491,10 @@ static int find_scene(struct simulation *r)
     /* 1e-12 is asked of methods whose error follows a tolerance; of the others only what the user asks. */
     if (options_given(r->o, "tol") || (bare && r->method && r->method->order == 0))
         r->tol = options_number(r->o, "tol");
-    return r->method ? 0 : simulate_misuse(r, method, "no such method; contactplant list shows them");
+    if (r->method)
+        return 0;
+    scene_method_refuse(method, why);
+    return options_misuse(r->o->usage, "%s", why);
 }
 
 int cmd_simulate(int argc, char **argv)

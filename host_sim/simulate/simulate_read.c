@@ -86,6 +86,17 @@ static bool read_list(const char *text, int n, double *x)
     return true;
 }
 
+static int no_input(const struct simulation *r, const char *text)
+{
+    const char *name[MODEL_INPUTS];
+    char advice[OPTIONS_ADVICE];
+    for (int i = 0; i < r->model->n_inputs; i++)
+        name[i] = r->model->input_signal[i].name;
+    return options_misuse(
+        r->o->usage, "%s: no such input%s", text,
+        options_advise(text, strlen(text), name, r->model->n_inputs, NULL, advice, sizeof advice));
+}
+
 /* INPUT=A,B,C: 0, or the exit status after a line that says how `form` is written. */
 static int read_input(const struct simulation *r, const char *text, const char *form, int *i_input, double *x)
 {
@@ -94,7 +105,7 @@ static int read_input(const struct simulation *r, const char *text, const char *
     snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
     *i_input = names_find(r->model, NAMES_INPUT, name);
     if (*i_input < 0)
-        return simulate_misuse(r, text, "no such input; contactplant list shows them");
+        return no_input(r, name);
     return equal && read_list(equal + 1, 3, x) ? 0 : simulate_misuse(r, text, form);
 }
 

@@ -179,9 +179,9 @@ static int no_case(const struct tests *t, const char *name)
     int n = t->trial[0]->n_cases;
     for (int i = 0; i < n; i++)
         known[i] = t->trial[0]->cases[i].name;
-    const char *nearest = options_nearest(name, known, n);
-    return options_misuse(t->o->usage, "--case %s: no such case%s%s%s", name,
-                          nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "");
+    char advice[OPTIONS_ADVICE];
+    return options_misuse(t->o->usage, "--case %s: no such case%s", name,
+                          options_advise(name, strlen(name), known, n, NULL, advice, sizeof advice));
 }
 
 static int add_case(struct tests *t, const struct trial *trial, struct trial_case *c)

@@ -5,82 +5,44 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "host_sim/cli/options.h"
 #include "firmware/bus/wire.h"
-#include "host_sim/cli/names.h"
-#include "host_sim/cli/unit.h"
+#include "host_sim/scene/scene_words.h"
 
-#define TIME_MAX  1e6
-#define RAMP_MAX  1e4
-#define PHASE_MAX 1e6
+#define TIME_MAX 1e6
 
 enum { FIRE_PARTS = 256 }; /* FIRE cuts a tick into so many */
 
-/* NAME=VALUE with its unit, up to the next NAME=. False at the end, and after a message. */
+/* The next NAME=VALUE; false at the end, and after a message. */
 static bool next_pair(struct trial_reader *r, struct word *rest, struct word *name, struct word *value)
 {
-    if (!rest->n)
-        return false;
-    const char *equal = memchr(rest->at, '=', rest->n), *end = rest->at + rest->n, *next;
-    if (!equal)
-        return trial_wrong(r, "\"%.*s\": write NAME=VALUE", scene_text_shown(*rest), rest->at);
-    *name = scene_text_trimmed((struct word){rest->at, (size_t)(equal - rest->at)});
-    next = memchr(equal + 1, '=', (size_t)(end - equal - 1));
-    while (next && next > equal + 1 && (next[-1] == ' ' || next[-1] == '\t'))
-        next--;
-    while (next && next > equal + 1 && next[-1] != ' ' && next[-1] != '\t')
-        next--;
-    next = next ? next : end;
-    *value = scene_text_trimmed((struct word){equal + 1, (size_t)(next - equal - 1)});
-    *rest = scene_text_trimmed((struct word){next, (size_t)(end - next)});
-    return name->n && value->n
-               ? true
-               : trial_wrong(r, "\"%.*s\": %s is missing; write NAME=VALUE", scene_text_shown(*name),
-                             name->at, name->n ? "the value" : "the name");
+    char why[SCENE_REASON] = "";
+    return scene_words_next(rest, name, value, why) || (*why && trial_wrong(r, "%s", why));
 }
 
 static int find_input(struct trial_reader *r, struct word w)
 {
     const struct model *m = r->trial->scene.model;
     const char *name[MODEL_INPUTS];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     for (int i = 0; i < m->n_inputs; i++) {
         name[i] = m->input_signal[i].name;
         if (scene_text_is(w, name[i]))
             return i;
     }
     trial_wrong(r, "at: %s has no input \"%.*s\"%s", m->name, scene_text_shown(w), w.at,
-                scene_text_advice(w, name, m->n_inputs, text));
+                options_advise(w.at, w.n, name, m->n_inputs, NULL, text, sizeof text));
     return -1;
 }
 
-/* A field's value; as to contactplant send, a bare number is SI. */
 static bool read_field(struct trial_reader *r, struct trial_act *a, struct word name, struct word value)
 {
-    const struct model *m = r->trial->scene.model;
-    const char *field[DRIVE_FIELDS];
-    char text[SCENE_FILE_REASON / 2], why[UNIT_REASON];
-    struct named n;
-    for (unsigned i = 0; i < DRIVE_FIELDS; i++) {
-        (void)names_get(m, NAMES_ARM, i, &n);
-        field[i] = n.name;
-        if (!scene_text_is(name, n.name))
-            continue;
-        bool own = i == DRIVE_AMPLITUDE || i == DRIVE_NOISE,
-             signed_one = i == DRIVE_AMPLITUDE || i == DRIVE_PHASE;
-        double max = i == DRIVE_RAMP         ? RAMP_MAX
-                     : i == DRIVE_NOISE_HOLD ? 65535.0
-                     : i == DRIVE_NOISE_SEED ? 16777215.0
-                     : i == DRIVE_PHASE      ? PHASE_MAX
-                                             : 1e12;
-        double *x = &a->value[i];
-        a->given |= 1u << i;
-        if (unit_read(value.at, value.n, "", x, why) && *x <= max && *x >= (signed_one ? -max : 0.0))
-            return true;
-        return trial_read_value(r, n.name, value, own ? m->input_signal[a->input].unit : n.unit,
-                                signed_one ? -max : 0.0, max, x);
-    }
-    return trial_wrong(r, "arm: no field \"%.*s\"%s", scene_text_shown(name), name.at,
-                       scene_text_advice(name, field, DRIVE_FIELDS, text));
+    char why[SCENE_REASON];
+    int field = scene_words_field(r->trial->scene.model, a->input, name, value, a->value, why);
+    if (field < 0)
+        return trial_wrong(r, "arm: %s", why);
+    a->given |= 1u << field;
+    return true;
 }
 
 static bool read_arm(struct trial_reader *r, struct trial_act *a, struct word rest)

@@ -20,7 +20,7 @@ static bool no_metric(struct trial_reader *r, struct word name)
     const struct model *m = r->trial->scene.model;
     static char known[METRIC_SIGNALS][METRIC_UNIT];
     const char *names[METRIC_SIGNALS + METRICS];
-    char own[SCENE_TEXT_SHOWN + 1];
+    char advice[OPTIONS_ADVICE];
     int n = 0;
     for (int i = 0; i < metric_signals(m); i++) {
         metric_signal_name(m, i, known[i]);
@@ -29,18 +29,16 @@ static bool no_metric(struct trial_reader *r, struct word name)
     for (int k = 0; k < METRICS; k++)
         if (!is_signals((enum metric_kind)k))
             names[n++] = metric_table[k].name;
-    snprintf(own, sizeof own, "%.*s", scene_text_shown(name), name.at);
-    const char *nearest = options_nearest(own, names, n);
-    return trial_wrong(r, "expect: no metric \"%s\"%s%s%s", own,
-                       nearest ? "; did you mean " : "; contactplant list metrics shows them",
-                       nearest ? nearest : "", nearest ? "?" : "");
+    return trial_wrong(r, "expect: no metric \"%.*s\"%s", scene_text_shown(name), name.at,
+                       options_advise(name.at, name.n, names, n, "contactplant list metrics shows them",
+                                      advice, sizeof advice));
 }
 
 /* SIGNAL or SIGNAL.STATISTIC; a bare signal is judged at every instant. */
 static bool read_signal(struct trial_reader *r, struct trial_expect *e, struct word name)
 {
     const char *dot = memchr(name.at, '.', name.n), *known[METRICS];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     int n = 0;
     struct word signal = {name.at, dot ? (size_t)(dot - name.at) : name.n}, statistic = {dot, 0};
     const struct model *m = r->trial->scene.model;
@@ -65,7 +63,8 @@ static bool read_signal(struct trial_reader *r, struct trial_expect *e, struct w
     return e->what.kind < METRICS
                ? true
                : trial_wrong(r, "expect: no statistic \"%.*s\" of a signal%s", scene_text_shown(statistic),
-                             statistic.at, scene_text_advice(statistic, known, n, text));
+                             statistic.at,
+                             options_advise(statistic.at, statistic.n, known, n, NULL, text, sizeof text));
 }
 
 static bool read_metric(struct trial_reader *r, struct trial_expect *e, struct word name)

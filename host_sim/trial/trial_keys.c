@@ -98,11 +98,15 @@ static bool take_command(struct trial_reader *r, struct word value)
 /* The controllers that this program has itself; a scene's own drives are what shakes the plant. */
 static bool take_builtin(struct trial_reader *r, struct word value)
 {
+    static const char *const builtin[] = {"keep", "loops"};
+    char advice[OPTIONS_ADVICE];
     r->trial->loops = scene_text_is(value, "loops");
     if (!r->trial->loops && !scene_text_is(value, "keep"))
-        return trial_wrong(
-            r, "builtin: there is keep, which is contactplant control without a drive, and loops, "
-               "those of a microscope");
+        return trial_wrong(r, "builtin: no controller \"%.*s\"%s", scene_text_shown(value), value.at,
+                           options_advise(value.at, value.n, builtin, 2,
+                                          "there is keep, which is contactplant control without a drive, "
+                                          "and loops, those of a microscope",
+                                          advice, sizeof advice));
     snprintf(r->trial->command, sizeof r->trial->command, "%s",
              r->trial->loops ? "loops" : "{contactplant} control {scene} {options} --force 0 --duration 1e6");
     return true;
@@ -218,7 +222,7 @@ static bool take_golden(struct trial_reader *r, struct word value)
 static bool take_like(struct trial_reader *r, struct word value)
 {
     const char *name[TRIAL_CASES];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     struct trial *t = r->trial;
     int n = t->n_cases - 1;
     for (int i = 0; i < n; i++) {
@@ -237,7 +241,7 @@ static bool take_like(struct trial_reader *r, struct word value)
     if (!n)
         return trial_wrong(r, "like: there is no case before this one");
     return trial_wrong(r, "like: no case \"%.*s\" before this one%s", scene_text_shown(value), value.at,
-                       scene_text_advice(value, name, n, text));
+                       options_advise(value.at, value.n, name, n, NULL, text, sizeof text));
 }
 
 #define PLANT      (1u << TRIAL_IN_PLANT)
@@ -273,6 +277,8 @@ static bool no_key(struct trial_reader *r, struct word name)
 
 bool trial_read_key(struct trial_reader *r, struct word w)
 {
+    static const char *const controller_key[] = {"command", "builtin", "attach"};
+    char advice[OPTIONS_ADVICE];
     const char *equal = memchr(w.at, '=', w.n);
     if (r->section == TRIAL_IN_CONTROLLER && (*r->trial->command || r->trial->attached))
         return trial_wrong(r, "[controller] has one line: command = .., builtin = .., or attach");
@@ -296,8 +302,8 @@ bool trial_read_key(struct trial_reader *r, struct word w)
         return taken;
     }
     if (r->section == TRIAL_IN_CONTROLLER)
-        return trial_wrong(r, "%.*s: no such key in [controller]; there is command, builtin and attach",
-                           scene_text_shown(key), key.at);
+        return trial_wrong(r, "%.*s: no such key in [controller]%s", scene_text_shown(key), key.at,
+                           options_advise(key.at, key.n, controller_key, 3, NULL, advice, sizeof advice));
     if (!r->trial->scene.model)
         return trial_wrong(r, "%.*s: scene = NAME, or microscope = NAME, stands first in [plant]",
                            scene_text_shown(key), key.at);

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "host_sim/cli/options.h"
 
 /* Whether the plant and the controller are known, as every case needs. */
 static bool check_before_case(struct trial_reader *r)
@@ -85,7 +86,7 @@ static bool begin_case(struct trial_reader *r, struct word name)
 static bool take_header(struct trial_reader *r, struct word w)
 {
     static const char *const names[] = {"plant", "controller", "case"};
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     if (w.at[w.n - 1] != ']')
         return trial_wrong(r, "%.*s: a section stands alone in its line, as [plant] or [case NAME]",
                            scene_text_shown(w), w.at);
@@ -100,7 +101,7 @@ static bool take_header(struct trial_reader *r, struct word w)
                                                 : 0;
     if (!i)
         return trial_wrong(r, "[%.*s]: no such section%s", scene_text_shown(name), name.at,
-                           scene_text_advice(name, names, 3, text));
+                           options_advise(name.at, name.n, names, 3, NULL, text, sizeof text));
     if (rest.n)
         return trial_wrong(r, "[%s]: one word too many", names[i - 1]);
     if (r->now || (i == TRIAL_IN_PLANT && r->trial->scene.model) ||

@@ -6,22 +6,15 @@
 #include <string.h>
 #include "firmware/bus/settings.h"
 #include "host_sim/cli/options.h"
-#include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
-#include "host_sim/scene/scene_keys.h"
+#include "host_sim/scene/scene_words.h"
 #include "firmware/afm/afm_plant.h"
 
 bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
                       double max, double *value)
 {
-    char why[UNIT_REASON];
-    bool bare = !*unit || !strcmp(unit, "1");
-    if (!unit_read(w.at, w.n, unit, value, why))
-        return trial_wrong(r, "%s: %s", name, why);
-    if (!(*value >= min && *value <= max))
-        return trial_wrong(r, "%s: %.*s is out of range; give %g to %g%s%s", name, scene_text_shown(w), w.at,
-                           min, max, bare ? "" : " ", bare ? "" : unit);
-    return true;
+    char why[SCENE_REASON];
+    return scene_words_number(name, w, unit, min, max, value, why) || trial_wrong(r, "%s", why);
 }
 
 bool trial_read_count(struct trial_reader *r, const char *name, struct word w, double min, double max,
@@ -84,8 +77,8 @@ bool trial_no_name(struct trial_reader *r, struct word name, const char *const *
 {
     const struct model *m = r->trial->scene.model;
     struct scene_key known[SETTING_FIRST + SETTINGS];
-    const char *names[SETTING_FIRST + SETTINGS + TRIAL_KEYS], *nearest;
-    char own[SCENE_TEXT_SHOWN + 1];
+    const char *names[SETTING_FIRST + SETTINGS + TRIAL_KEYS];
+    char advice[OPTIONS_ADVICE];
     int n = 0;
     for (; n < n_keys; n++)
         names[n] = key[n];
@@ -94,44 +87,28 @@ bool trial_no_name(struct trial_reader *r, struct word name, const char *const *
             scene_keys_parameter(trial_parameter(r->trial, i), 0, &known[i]);
             names[n++] = i < SETTING_FIRST ? known[i].name : known[i].full;
         }
-    snprintf(own, sizeof own, "%.*s", scene_text_shown(name), name.at);
-    nearest = options_nearest(own, names, n);
-    return trial_wrong(r, "%s: no such %sparameter or setting of %s%s%s%s", own, n_keys ? "key, " : "",
-                       m->name, nearest ? "; did you mean " : "; contactplant list shows them",
-                       nearest ? nearest : "", nearest ? "?" : "");
-}
-
-/* -1: no such name. */
-static int find_set(const struct trial *t, struct word name, struct scene_key *k)
-{
-    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++) {
-        if (!trial_parameter(t, i))
-            continue;
-        scene_keys_parameter(trial_parameter(t, i), 0, k);
-        if (scene_text_is(name, k->full) || scene_text_is(name, k->name))
-            return i;
-    }
-    return -1;
+    return trial_wrong(
+        r, "%.*s: no such %sparameter or setting of %s%s", scene_text_shown(name), name.at,
+        n_keys ? "key, " : "", m->name,
+        options_advise(name.at, name.n, names, n, "contactplant list shows them", advice, sizeof advice));
 }
 
 int trial_find_set(struct trial_reader *r, struct word name)
 {
     struct scene_key k;
-    return find_set(r->trial, name, &k);
+    return scene_words_find(trial_model(r->trial), name, &k);
 }
 
 bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct trial_set *set)
 {
+    const struct model *m = trial_model(r->trial);
     struct scene_key k;
-    char why[SCENE_REASON], unit[UNIT_REASON];
-    int i = find_set(r->trial, name, &k);
+    char why[SCENE_REASON];
+    int i = scene_words_find(m, name, &k);
     if (i < 0)
         return trial_no_name(r, name, NULL, 0);
     set->index = (unsigned)i;
-    bool bare = scene_text_is(name, k.full) && unit_read(value.at, value.n, "", &set->value, unit);
-    if (!bare && !trial_read_value(r, k.name, value, k.unit, k.min, k.max, &set->value))
-        return false;
-    return scene_accepts(trial_model(r->trial), i, set->value, why) ? true : trial_wrong(r, "%s", why);
+    return scene_words_set(m, i, &k, name, value, &set->value, why) || trial_wrong(r, "%s", why);
 }
 
 int trial_find_signal(struct trial_reader *r, struct word name)
@@ -139,7 +116,7 @@ int trial_find_signal(struct trial_reader *r, struct word name)
     const struct model *m = r->trial->scene.model;
     static char known[METRIC_SIGNALS][METRIC_UNIT];
     const char *names[METRIC_SIGNALS];
-    char text[SCENE_FILE_REASON / 2];
+    char text[OPTIONS_ADVICE];
     int n = metric_signals(m);
     for (int i = 0; i < n; i++) {
         metric_signal_name(m, i, known[i]);
@@ -148,7 +125,7 @@ int trial_find_signal(struct trial_reader *r, struct word name)
             return i;
     }
     trial_wrong(r, "%.*s: no signal of %s%s", scene_text_shown(name), name.at, m->name,
-                scene_text_advice(name, names, n, text));
+                options_advise(name.at, name.n, names, n, NULL, text, sizeof text));
     return -1;
 }
 

@@ -193,12 +193,30 @@ refuses 2 "takes no value" run --realtime=1
 refuses 2 "one word too many" run hertz_rig hertz_rig
 refuses 2 "did you mean hertz_rig" run hertz_rigg
 refuses 2 "did you mean mass_kg" run --set mass_kgg=1
-refuses 2 "mass_kg=-1 is out of range" run --set mass_kg=-1
-refuses 2 "NAME=VALUE" run --set mass_kg=nan
+refuses 2 "mass_kg: -1 is out of range" run --set mass_kg=-1
+refuses 2 "not a finite number" run --set mass_kg=nan
+refuses 2 "the unit is missing; it is kg" run --set mass=5
+refuses 2 "did you mean kg?" run --set "mass=5 KG"
+refuses 2 "write the decimal comma as a point" run --set "mass=5,5 kg"
+refuses 2 "with a point for the comma" run --rate 0,5
 refuses 2 "NAME=VALUE" run --set mass_kg
 refuses 2 "did you mean timeout_frames" run --setting timeout_frame=10
 refuses 2 "whole number" run --setting timeout_frames=10.5
-refuses 2 "no method" run --method euler
+refuses 2 "no such method" run --method euler
+refuses 2 "did you mean rk4?" run --method RK4
+refuses 2 "did you mean rk4?" simulate rig --method RK4
+refuses 2 "did you mean batch_taylor?" basin rig --method Batch_Taylor
+refuses 2 "did you mean contact_force?" choose rig --observable force
+refuses 2 "did you mean host?" choose rig --on Host
+refuses 2 "did you mean drop?" run --faults DROP=0.1
+refuses 2 "did you mean missed?" run --fail-on Missed
+refuses 2 "did you mean force?" simulate --drive forc=1,2,3
+refuses 2 "did you mean force?" send stream FORCE 1
+refuses 2 "did you mean stop?" send stpo
+refuses 2 "did you mean surface?" scan --set surfac=2
+refuses 2 ", surface, " scan --set zzz=2
+refuses 2 "did you mean models?" list model
+refuses 2 "did you mean rig?" run RIG
 refuses 2 "0x200 is" run --base-id 0x210
 refuses 2 "add --extended" run --base-id 0x800
 refuses 2 "catch_up, skip, freeze or stop" run --overrun never
@@ -212,10 +230,13 @@ refuses 2 "something is missing" send
 refuses 2 "did you mean start" send strat
 refuses 2 "too few" send arm
 refuses 2 "no input" send arm forse amplitude=1
-refuses 2 "not amplitude=" send arm force amplitude=1e
-refuses 2 "negative" send arm force noise=-1
+refuses 2 "did you mean amplitude?" send arm force amplitud=1
+refuses 2 "did you mean kN?" send arm force amplitude=1 KN
+refuses 2 "does not fit" send arm force amplitude=1e
+refuses 2 "out of range" send arm force noise=-1
 refuses 2 "not a finite number" send stream force nan
-refuses 2 "did you mean preload_N" send set preload=1
+refuses 2 "the unit is missing; it is N" send set preload=1
+refuses 2 "did you mean preload_N" send set preload_M=1 N
 refuses 2 "number of frames" send step -1
 refuses 2 "beside +" send start + + stop
 refuses 2 "no message" monitor --only MOTOIN
@@ -274,7 +295,7 @@ refuses 2 "no such method" basin "$dir/rig.ini" --method euler
 refuses 2 "no single Hertzian contact" basin shaft-fig16-705 --method batch_taylor
 refuses 2 "with 3 steps a period: fewer than 4 steps" basin "$dir/rig.ini" --steps 3
 refuses 2 "did you mean q_dot" basin "$dir/rig.ini" --box q_dto=0:1
-refuses 2 "no such state; did you mean q?" basin "$dir/rig.ini" --box position=0:1
+refuses 2 "no such state; there are q, q_dot" basin "$dir/rig.ini" --box position=0:1
 refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box q=1
 refuses 2 "q is given twice" basin "$dir/rig.ini" --box q=0:1 --box q=0:2
 refuses 2 "give a number from 0 to 4294967295" basin "$dir/rig.ini" --seed -1
@@ -669,7 +690,7 @@ cmp "$dir/whole.csv" "$dir/swept2.csv"
 verdict "gone on with, it is the whole file" $?
 
 echo "--- stability and random"
-refuses 2 "give floquet or contact" stability --map tongue
+refuses 2 "there are floquet, contact" stability --map tongue
 refuses 2 "is for --map contact" stability --periods 9
 refuses 2 "write NAME=FROM:TO:N" stability --x step
 refuses 2 "did you mean stiffness" stability --y stifness=1:2:3
@@ -936,7 +957,7 @@ refuses 2 "z_min_m is nearer than the surface" scan --set z_min="-10 nm"
 refuses 2 "inside the surface at the start" scan --set surface=2 --set surface_height="900 nm"
 refuses 2 "surface is from a file, and there is none" scan --set surface=5
 refuses 2 "give 0 to 4; contactplant scan alone takes a file" run microscope --set surface=5
-refuses 2 "no parameter or setting \"ramp_speed\"; did you mean ramp_speed_m_per_s" \
+refuses 2 "ramp_speed: the unit is missing; it is m/s" \
     send --model microscope set ramp_speed=1e-6
 refuses 2 "cannot read --surface" scan --surface "$dir/none.gsf"
 refuses 2 "is no file of Gwyddion" scan --surface "$dir/rig.ini"

@@ -97,7 +97,7 @@ def test_outcome():
     with open(os.path.join(directory, "c.json")) as f:
         missed = json.load(f)["missed"]
     verdict("run --fail-on missed: status 1 where frames were missed, here %d" % missed, (r.returncode == 1) == (missed > 0), r.stderr)
-    for words, status, what in ((("--fail-on", "mised"), 2, "did you mean missed?"), (("--fail-on", "late,"), 2, "none of"), (("--duration", "0.01", "--json", "/dev/full/x"), 2, "cannot write --json")):
+    for words, status, what in ((("--fail-on", "mised"), 2, "did you mean missed?"), (("--fail-on", "late,"), 2, "there are missed, late, fault"), (("--duration", "0.01", "--json", "/dev/full/x"), 2, "cannot write --json")):
         r = run("run", "--bus", "udp:" + host + "20000", *words)
         verdict("run %s: %s" % (" ".join(words), what), r.returncode == status and what in r.stderr, r.stderr)
 

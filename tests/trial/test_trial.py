@@ -467,10 +467,10 @@ def test_lost_for_good():
 
 HEAD = "[plant]\nscene = hertz_rig\n[controller]\ncommand = true\n[case a]\nover = 1 s\n"
 MISTAKES = [
-    ("[plnt]", 1, "did you mean plant?"), ("scene = x", 1, "begin with [plant]"), ("[plant]\nscene = hertz_rg", 2, "did you mean hertz_rig;"),
+    ("[plnt]", 1, "did you mean plant?"), ("scene = x", 1, "begin with [plant]"), ("[plant]\nscene = hertz_rg", 2, "did you mean hertz_rig?"),
     ("[plant]\nscene = hertz_rig\nmas = 5 kg", 3, "did you mean mass?"), ("[plant]\nscene = hertz_rig\nmass = 5", 3, "the unit is missing"),
-    ("[plant]\nscene = hertz_rig\n[case a]", 3, "no controller"), ("[plant]\nscene = hertz_rig\n[controller]\ncomand = x", 4, "there is command"),
-    ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = kep", 4, "there is keep"), ("[plant]\nscene = hertz_rig\n[controller]\ncommand = x\nattach", 5, "one line"),
+    ("[plant]\nscene = hertz_rig\n[case a]", 3, "no controller"), ("[plant]\nscene = hertz_rig\n[controller]\ncomand = x", 4, "did you mean command?"),
+    ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = kep", 4, "did you mean keep?"), ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = zzz", 4, "there is keep"), ("[plant]\nscene = hertz_rig\n[controller]\ncommand = x\nattach", 5, "one line"),
     ("[plant]\nscene = hertz_rig\n[controller]\nattach\n[controller]", 5, "stands once"),
     (HEAD, 5, "nothing is expected"), (HEAD + "expect contact_los == 0 %", 7, "did you mean contact_loss?"),
     (HEAD + "expect penetration.mx <= 1 um", 7, "did you mean max?"), (HEAD + "expect penetration == 1 um", 7, "add .min"),

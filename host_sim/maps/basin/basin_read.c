@@ -57,6 +57,15 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
     return q->method->refuse(q->model, q->p, h, q->tol);
 }
 
+static int no_method(const struct basin *b, const char *method)
+{
+    const char *name[METHODS + 1] = {series};
+    char advice[OPTIONS_ADVICE];
+    int n = 1 + scene_method_names(name + 1);
+    return options_misuse(b->m.o.usage, "--method %s: no such method%s", method,
+                          options_advise(method, strlen(method), name, n, NULL, advice, sizeof advice));
+}
+
 static int read_method(struct basin *b)
 {
     const char *name =
@@ -64,9 +73,7 @@ static int read_method(struct basin *b)
     const struct method *wanted = method_find(name);
     const char *why = NULL;
     if (!wanted && strcmp(name, series) != 0)
-        return options_misuse(
-            b->m.o.usage, "--method %s: no such method; batch_taylor, or one that contactplant list shows",
-            name);
+        return no_method(b, name);
     if (!wanted && !b->plant.model->hertz_form)
         return options_misuse(b->m.o.usage,
                               "--method %s: %s has no single Hertzian contact; leave it to auto", name,
@@ -121,9 +128,9 @@ static int find_state(const struct basin *b, const char *text, int *which)
         if (!strcmp(names[*which], name))
             return 0;
     }
-    const char *nearest = options_nearest(name, names, n);
-    return options_misuse(b->m.o.usage, "--box %s: %s has no such state; did you mean %s?", text, b->m.name,
-                          nearest ? nearest : names[0]);
+    char advice[OPTIONS_ADVICE];
+    return options_misuse(b->m.o.usage, "--box %s: %s has no such state%s", text, b->m.name,
+                          options_advise(name, strlen(name), names, n, NULL, advice, sizeof advice));
 }
 
 /* The place of state `which`, given as the scene writes it, in model units. Each state alone decides its own

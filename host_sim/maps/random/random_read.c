@@ -32,8 +32,9 @@ static int read_observable(struct random_runs *r)
             return 0;
         }
     }
-    const char *nearest = options_nearest(name, names, m->n_outputs);
-    return misuse(r, "--observable %s: no such output; did you mean %s?", name, nearest ? nearest : names[0]);
+    char advice[OPTIONS_ADVICE];
+    return misuse(r, "--observable %s: no such output%s", name,
+                  options_advise(name, strlen(name), names, m->n_outputs, NULL, advice, sizeof advice));
 }
 
 static int check_noise(const struct random_runs *r)
@@ -78,14 +79,14 @@ static int read_times(struct random_runs *r)
 static int read_range(struct random_runs *r)
 {
     const char *text = options_text(&r->m.o, "range", 0), *colon = strchr(text, ':');
-    char why[UNIT_REASON], ignored[UNIT_REASON];
+    char why[UNIT_REASON];
     if (!colon)
         return misuse(r, "--range %s: write LOW:HIGH", text);
     for (int i = 0; i < 2; i++) {
         const char *part = i ? colon + 1 : text;
         size_t n = i ? strlen(part) : (size_t)(colon - text);
         double *value = i ? &r->high : &r->low;
-        if (!unit_read(part, n, unit_of(r), value, why) && !unit_read(part, n, "", value, ignored))
+        if (!unit_read_or_bare(part, n, unit_of(r), value, why))
             return misuse(r, "--range %s: %s", text, why);
     }
     return r->low < r->high ? 0 : misuse(r, "--range %s: the lower end comes first; write LOW:HIGH", text);

@@ -53,7 +53,7 @@ static int read_ranges(struct sweep *s)
     for (int i = 0; i < options_count(&s->m.o, "set") && !status; i++) {
         const char *text = options_text(&s->m.o, "set", i);
         struct scene_range r;
-        status = scene_range_find(s->m.o.usage, &s->m.scene, text, strcspn(text, "="), &r);
+        status = scene_range_find(s->m.o.usage, &s->m.scene, text, strcspn(text, "="), NULL, &r);
         if (!status &&
             (r.key.offset == s->range.key.offset || (family && r.key.offset == s->family.key.offset)))
             return misuse(s, "--set %s: contradicts its range; give one of the two", text);

@@ -32,7 +32,7 @@ TEST(library_refuses_memory_and_scenes)
     check_true("on a bus, too", contactplant_open_bus(&memory, size, "rig", NULL) != NULL);
     check_open("no scene", &memory, sizeof memory, NULL, CONTACTPLANT_BAD_SCENE, "NULL");
     check_open("a name", &memory, sizeof memory, "hertz_rog", CONTACTPLANT_BAD_SCENE,
-               "did you mean hertz_rig;");
+               "did you mean hertz_rig?");
     check_open("an empty name", &memory, sizeof memory, "", CONTACTPLANT_BAD_SCENE,
                "no such model or preset");
     check_open("a text's line", &memory, sizeof memory, "# mine\n[plant]\nmodel = hertz_rig\nmas = 5 kg\n",
@@ -252,7 +252,7 @@ TEST(library_client_refuses)
     check_int("code", error.code, CONTACTPLANT_BAD_VALUE);
     check_true("no scene",
                !contactplant_client_open(&client_memory, sizeof client_memory, "rog", &t, &error));
-    check_contains("text", error.text, "did you mean rig;");
+    check_contains("text", error.text, "did you mean rig?");
     struct contactplant_client *c =
         contactplant_client_open(&client_memory, sizeof client_memory, "rig", &t, &error);
     check_true("a client", c != NULL);

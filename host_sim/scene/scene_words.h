@@ -1,0 +1,34 @@
+/* scene_words.h - numbers by name, as command lines and test files write them: `mass=5 kg`, `amplitude=3 N`.
+ *
+ * A number whose name has its unit in it (mass_kg), and a field of a drive, is SI where no unit stands behind
+ * it. All give one line into why[SCENE_REASON] where they refuse, and leave why alone where they do not. */
+#ifndef HOST_SIM_SCENE_WORDS_H
+#define HOST_SIM_SCENE_WORDS_H
+
+#include "host_sim/scene/scene_keys.h"
+#include "host_sim/scene/scene_name.h"
+#include "host_sim/scene/scene_text.h"
+
+/* Takes NAME=VALUE, with a unit behind a blank or not, off *rest: up to the next NAME=. False at the end, and
+ * where it refuses. */
+bool scene_words_next(struct word *rest, struct word *name, struct word *value, char *why);
+
+/* A value with its unit inside [min, max]; `name` is for messages. */
+bool scene_words_number(const char *name, struct word w, const char *unit, double min, double max,
+                        double *value, char *why);
+
+/* The wire index of a parameter or setting, mass_kg or mass, and its key; -1: there is none. */
+int scene_words_find(const struct model *m, struct word name, struct scene_key *k);
+
+/* A parameter or setting that was found, checked against its table. */
+bool scene_words_set(const struct model *m, int index, const struct scene_key *k, struct word name,
+                     struct word value, double *x, char *why);
+
+/* Both for NAME and VALUE: the wire index, or -1. */
+int scene_words_read(const struct model *m, struct word name, struct word value, double *x, char *why);
+
+/* A field of a drive of this input: its place in x[DRIVE_FIELDS], or -1. */
+int scene_words_field(const struct model *m, int input, struct word name, struct word value, double *x,
+                      char *why);
+
+#endif
