@@ -9,12 +9,51 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/bus/settings.h"
+#include "firmware/method/method.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/scene/scene_name.h"
+#include "models/models.h"
+#include "models/scenes/scenes.h"
 
 #define PAGES                                                                                                \
     "Pages (docs/..) lie in the source, and in share/doc/contactplant below the prefix\nof an "              \
     "installation.\n"
 
 static int cmd_man(int argc, char **argv);
+/* The parameters of all models, each name once. */
+static void print_parameters(void)
+{
+    for (int m = 0; m < MODELS; m++)
+        for (int i = 0; i < model_table[m]->n_parameters; i++) {
+            const char *name = model_table[m]->parameter[i].name;
+            bool again = false;
+            for (int before = 0; before < m; before++)
+                again = again || names_find(model_table[before], NAMES_PARAMETER, name) >= 0;
+            if (!again)
+                printf(" %s=", name);
+        }
+}
+
+/* Names for bash: $scenes, and what may stand behind an option. */
+static void print_completion_names(void)
+{
+    printf("    local scenes=\"");
+    for (int i = 0; i < SCENE_MODELS; i++)
+        printf("%s ", scene_model(i)->name);
+    for (int i = 0; i < SCENES; i++)
+        printf("%s ", scenes_table[i].name);
+    printf("\"\n    case ${COMP_WORDS[COMP_CWORD-1]} in\n    --method) words=\"");
+    for (int i = 0; i < METHODS; i++)
+        printf(" %s", method_table[i]->name);
+    printf("\" ;;\n    --model) words=$scenes ;;\n    --set) compopt -o nospace 2>/dev/null; words=\"");
+    print_parameters();
+    printf("\" ;;\n    --setting) compopt -o nospace 2>/dev/null; words=\"");
+    for (int i = 0; i < SETTINGS; i++)
+        printf(" %s=", setting_table[i].name);
+    printf("\" ;;\n    esac\n");
+}
+
 static int cmd_completion(int argc, char **argv);
 static int cmd_version(int argc, char **argv);
 
@@ -127,15 +166,16 @@ static int cmd_completion(int argc, char **argv)
     static const struct usage usage = {
         .name = "completion",
         .words = "",
-        .summary = "Prints the completion of subcommands and options for bash.",
+        .summary = "Prints the completion of subcommands, scenes, options and their names for bash.",
         .examples = "  contactplant completion >~/.local/share/bash-completion/completions/contactplant\n"};
     struct options o;
     int status;
     if (!options_parse(&o, &usage, argc, argv, &status))
         return status;
-    printf("# bash completion of contactplant %s\n_contactplant()\n{\n    local words=\n"
-           "    case $COMP_CWORD in\n    1) words=\"--help --version",
+    printf("# bash completion of contactplant %s\n_contactplant()\n{\n    local words=\n",
            contactplant_version());
+    print_completion_names();
+    printf("    [ -n \"$words\" ] || case $COMP_CWORD in\n    1) words=\"--help --version");
     for (int i = 0; i < COMMANDS; i++)
         printf(" %s", command[i].name);
     printf("\" ;;\n    *) case ${COMP_WORDS[1]} in\n");

@@ -94,15 +94,28 @@ static void print_word(const char *name, const char *argument, const char *meani
     printf(" --%s", name);
 }
 
+/* A scene, or the words in small letters that may stand there. */
+static void print_own_words(const char *words)
+{
+    if (strstr(words, "SCENE"))
+        printf(" $scenes");
+    for (size_t n; *words; words += n ? n : 1) {
+        n = strspn(words, "abcdefghijklmnopqrstuvwxyz");
+        if (n > 1)
+            printf(" %.*s", (int)n, words);
+    }
+}
+
 bool options_help(const struct usage *u, const char *word)
 {
     if (!strcmp(word, "--help") || !strcmp(word, "-h"))
         print_help(u);
     else if (!strcmp(word, "--help=man"))
         print_man(u);
-    else if (!strcmp(word, "--help=words"))
+    else if (!strcmp(word, "--help=words")) {
+        print_own_words(u->words);
         each_option(u, print_word);
-    else
+    } else
         return false;
     return true;
 }

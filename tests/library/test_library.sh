@@ -98,6 +98,12 @@ words() { # WORDS OF A COMMAND LINE..: what bash offers for the last one
 }
 equal "completion of: si" "$(words si)" simulate
 equal "completion of: run --dur" "$(words run --dur)" --duration
+equal "completion of: run shaft-fig18-2" "$(words run shaft-fig18-2)" "shaft-fig18-25 shaft-fig18-25p"
+equal "completion of: run --method rk4_" "$(words run --method rk4_)" "rk4_float32 rk4_unlocated"
+equal "completion of: run --set mass" "$(words run --set mass)" "mass_kg="
+equal "completion of: run --setting timeout" "$(words run --setting timeout)" "timeout_frames="
+equal "completion of: list mod" "$(words list mod)" models
+equal "completion of: send --model rig" "$(words send --model rig)" rig
 
 echo "--- examples, outside of the tree"
 mine=$here/mine
