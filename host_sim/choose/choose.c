@@ -109,13 +109,17 @@ static bool find_sweep(const struct options *o, struct choose_certificate *c)
     struct choose_sweep *w = &c->sweep;
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
-    char more;
+    const char *names[MODEL_INPUTS];
+    char more, own[64];
     if (!text)
         return true;
+    w->input = -1;
+    snprintf(own, sizeof own, "%.*s", (int)strcspn(text, "="), text);
+    for (int i = 0; i < m->n_inputs; i++)
+        names[i] = m->input_signal[i].name;
     scenes_resolve(&c->scene, si, drive);
     for (int i = 0; i < m->n_inputs && equals; i++) {
-        if (strlen(m->input_signal[i].name) != (size_t)(equals - text) ||
-            strncmp(text, m->input_signal[i].name, (size_t)(equals - text)))
+        if (strcmp(own, names[i]))
             continue;
         w->input = i;
         if (sscanf(equals + 1, "%lf,%lf,%d%c", &w->from_Hz, &w->to_Hz, &w->steps, &more) == 3 &&
@@ -123,10 +127,12 @@ static bool find_sweep(const struct options *o, struct choose_certificate *c)
             w->steps <= STEPS_MAX && fabs(drive[i].amplitude) > 0.0)
             return true;
     }
+    const char *near = equals && w->input < 0 ? options_nearest(own, names, m->n_inputs) : NULL;
     options_misuse(o->usage,
                    "--sweep %s: write INPUT=HZ1,HZ2,N with an input of %s that the scene drives, frequencies "
-                   "above 0 and 1 to %d steps",
-                   text, m->name, (int)STEPS_MAX);
+                   "above 0 and 1 to %d steps%s%s%s",
+                   text, m->name, (int)STEPS_MAX, near ? "; did you mean " : "", near ? near : "",
+                   near ? "?" : "");
     return false;
 }
 

@@ -113,12 +113,25 @@ static bool has_port(const char *text)
            port == floor(port);
 }
 
+static const char *no_bus(const char *spec)
+{
+    static char text[BUS_REASON];
+    static const char *const kind[] = {"udp", "can", "memory"};
+    char own[16];
+    snprintf(own, sizeof own, "%.*s", (int)strcspn(spec, ":"), spec);
+    const char *near = strchr(spec, ':') ? options_nearest(own, kind, 3) : NULL;
+    snprintf(text, sizeof text,
+             "a bus is udp:PORT, udp:HOST:PORT or can:IFACE; for run --lockstep memory:FILE, too%s%s%s",
+             near ? "; did you mean " : "", near ? near : "", near ? ":?" : "");
+    return text;
+}
+
 /* Checks how the bus is written: NULL, or the mistake. */
 static const char *misspelt(const char *spec, const char *const *peer, int n_peers, enum bus_role role)
 {
     bool udp = !strncmp(spec, "udp:", 4), memory = !strncmp(spec, "memory:", 7);
     if (!udp && !memory && strncmp(spec, "can:", 4))
-        return "a bus is udp:PORT, udp:HOST:PORT or can:IFACE; for run --lockstep memory:FILE, too";
+        return no_bus(spec);
     if (memory && role != BUS_PLANT)
         return "memory: is a bus of run --lockstep alone; its controller maps the file "
                "(docs/guide/lockstep.md)";

@@ -154,6 +154,19 @@ static void hear_message(void *context, const struct frame *f, const struct mess
         print_line(k, m, l);
 }
 
+static int no_message(const struct monitor *k, const char *text)
+{
+    const char *name[WIRE_KINDS];
+    char advice[OPTIONS_ADVICE];
+    int n = 0;
+    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
+        if (wire_layout(kind))
+            name[n++] = names_kind(kind);
+    return options_misuse(
+        k->o->usage, "--only: no message \"%s\"%s", text,
+        options_advise(text, strlen(text), name, n, "contactplant list shows them", advice, sizeof advice));
+}
+
 /* NAME,NAME,.. into k->only; without --only everything. */
 static int read_only_list(struct monitor *k)
 {
@@ -166,8 +179,7 @@ static int read_only_list(struct monitor *k)
         snprintf(name, sizeof name, "%.*s", (int)n, text);
         int kind = names_find_kind(name);
         if (kind < 0)
-            return options_misuse(k->o->usage, "--only: no message \"%s\"; contactplant list shows them",
-                                  name);
+            return no_message(k, name);
         k->only[kind] = true;
         text += n + (text[n] == ',');
     }

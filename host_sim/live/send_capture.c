@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double full_s = 2.0;
 
@@ -18,10 +19,14 @@ int send_check_capture(const struct sender *s, int n, const char *const *word)
     bool range =
         n == 1 || (operation == CAPTURE_READ && n == 3 && send_read_whole(word[1], 0.0, 65535.0, &x) &&
                    send_read_whole(word[2], 1.0, 65535.0, &x));
-    return operation >= 0 && range
-               ? 0
-               : options_misuse(s->o->usage,
-                                "write capture arm, trigger, stop, or read [FIRST COUNT] below 65536");
+    static const char *const name[] = {"arm", "trigger", "stop", "read"};
+    char advice[OPTIONS_ADVICE];
+    if (operation < 0)
+        return options_misuse(s->o->usage, "capture %s: no such operation%s", word[0],
+                              options_advise(word[0], strlen(word[0]), name, 4, NULL, advice, sizeof advice));
+    return range ? 0
+                 : options_misuse(s->o->usage,
+                                  "write capture arm, trigger, stop, or read [FIRST COUNT] below 65536");
 }
 
 static void print_burst(const struct sender *s)

@@ -41,12 +41,15 @@ static bool is_paper(const struct simulation *r, const char *text)
 /* The scene's own; with a bare model, model units when asked for, or when a parameter of the paper is set. */
 static int choose_units(struct simulation *r)
 {
+    static const char *const known[] = {"model", "si"};
+    char advice[OPTIONS_ADVICE];
     const char *units = options_text(r->o, "units", 0);
     r->paper = r->scene.paper;
     if (!bare(r))
         return units ? simulate_misuse(r, "--units", "a scene has its own units; take the option away") : 0;
     if (units && strcmp(units, "model") && strcmp(units, "si"))
-        return simulate_misuse(r, units, "--units is model or si");
+        return options_misuse(r->o->usage, "--units %s: no such units%s", units,
+                              options_advise(units, strlen(units), known, 2, NULL, advice, sizeof advice));
     r->paper = units && !strcmp(units, "model");
     for (int i = 0; !units && i < options_count(r->o, "set"); i++)
         r->paper = r->paper || is_paper(r, options_text(r->o, "set", i));

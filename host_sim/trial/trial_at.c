@@ -2,6 +2,7 @@
  * to the plant, in the words of contactplant send. */
 #include "host_sim/trial/trial.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -135,6 +136,24 @@ static bool split_verb(struct word rest, struct word *time, struct word *verb, s
     return false;
 }
 
+/* The first word of three letters stands where the verb should. */
+static bool no_verb(struct trial_reader *r, struct word rest)
+{
+    const char *name[TRIAL_VERBS];
+    char advice[OPTIONS_ADVICE];
+    for (int i = 0; i < TRIAL_VERBS; i++)
+        name[i] = verbs[i].name;
+    struct word word = scene_text_take(&rest);
+    while (rest.n && (word.n < 3 || !isalpha((unsigned char)word.at[0])))
+        word = scene_text_take(&rest);
+    return trial_wrong(
+        r, "at: no verb%s",
+        options_advise(word.at, word.n, name, TRIAL_VERBS,
+                       "write at TIME arm INPUT .., fire INPUT, set NAME=VALUE, stream INPUT VALUE "
+                       "or faults LIST, for instance at 0.1 s set mass=5 kg",
+                       advice, sizeof advice));
+}
+
 bool trial_read_at(struct trial_reader *r, struct word rest)
 {
     struct trial_case *c = r->now;
@@ -142,10 +161,7 @@ bool trial_read_at(struct trial_reader *r, struct word rest)
     struct trial_act a;
     memset(&a, 0, sizeof a);
     if (!split_verb(rest, &time, &verb, &words))
-        return trial_wrong(
-            r,
-            "at: write at TIME arm INPUT .., fire INPUT, set NAME=VALUE, stream INPUT VALUE or faults LIST, "
-            "for instance at 0.1 s set mass=5 kg");
+        return no_verb(r, rest);
     if (!trial_read_value(r, "at", time, "s", 0.0, TIME_MAX, &a.at_s))
         return false;
     a.verb = find_verb(verb);

@@ -267,11 +267,12 @@ static const struct key keys[KEYS] = {
 
 static bool no_key(struct trial_reader *r, struct word name)
 {
-    const char *known[KEYS];
-    int n = 0;
+    const char *known[KEYS + 2] = {"expect", "at"};
+    int n = r->section == TRIAL_IN_CASE ? 2 : 0;
     for (int i = 0; i < KEYS; i++)
         if (keys[i].sections >> r->section & 1u)
             known[n++] = keys[i].name;
+    name = scene_text_take(&name);
     return trial_no_name(r, name, known, n);
 }
 

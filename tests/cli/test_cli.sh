@@ -245,7 +245,12 @@ refuses 2 "out of range" simulate --set xi=2
 refuses 2 "2 states" simulate --state 1,2,3
 refuses 2 "ascend" simulate --at 1,3,2
 refuses 2 "finite numbers" simulate --at 1,,2
-refuses 2 "model or si" simulate --units metric
+refuses 2 "there are model, si" simulate --units metric
+refuses 2 "did you mean si?" simulate --units SI
+refuses 2 "did you mean MOTION?" monitor --only motion
+refuses 2 "did you mean udp:?" run --bus UDP:20000
+refuses 2 "did you mean trigger?" send capture tirgger
+refuses 2 "did you mean force?" choose rig --sweep frce=20,30,3
 refuses 2 "three finite numbers" simulate --units si --drive force=1,nan,0
 refuses 2 "three finite numbers" simulate --noise force=1,1
 refuses 2 "no such input" simulate --noise forse=1,1,1

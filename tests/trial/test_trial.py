@@ -473,6 +473,8 @@ MISTAKES = [
     ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = kep", 4, "did you mean keep?"), ("[plant]\nscene = hertz_rig\n[controller]\nbuiltin = zzz", 4, "there is keep"), ("[plant]\nscene = hertz_rig\n[controller]\ncommand = x\nattach", 5, "one line"),
     ("[plant]\nscene = hertz_rig\n[controller]\nattach\n[controller]", 5, "stands once"),
     (HEAD, 5, "nothing is expected"), (HEAD + "expect contact_los == 0 %", 7, "did you mean contact_loss?"),
+    (HEAD + "at 1 s Arm force amplitude=1", 7, "did you mean arm?"), (HEAD + "expct penetration >= 1 um", 7, "did you mean expect?"),
+    (HEAD + "expect penetration >= 1 UM", 7, "did you mean um?"), (HEAD + "at 1 s arm force amplitude=1,5 N", 7, "decimal comma"),
     (HEAD + "expect penetration.mx <= 1 um", 7, "did you mean max?"), (HEAD + "expect penetration == 1 um", 7, "add .min"),
     (HEAD + "expect penetration <= 1 kg", 7, "does not fit"), (HEAD + "expect refused = 0", 7, "where an operator belongs"),
     (HEAD + "expect iae <= 1 um s", 7, "write target ="), (HEAD + "expect velocity.phase <= 1 deg", 7, "write lockin ="),
