@@ -28,14 +28,14 @@ static void put_unit(FILE *out, const char *name)
                         {"m", unit_table[i].m},
                         {"s", unit_table[i].s},
                         {"rad", unit_table[i].rad}};
-            fputs("><BaseUnit", out);
+            xml_put(out, "><BaseUnit");
             for (int k = 0; k < 4; k++)
                 if (base[k].exponent)
                     xml_put(out, " %r='%i'", base[k].name, base[k].exponent);
-            fputs("/></Unit>\n", out);
+            xml_put(out, "/></Unit>\n");
             return;
         }
-    fputs("/>\n", out);
+    xml_put(out, "/>\n");
 }
 
 /* A variable before number `i` has this unit. */
@@ -51,11 +51,11 @@ static bool is_told(struct contactplant *p, int i, const char *unit)
 static void put_units(FILE *out, struct contactplant *p)
 {
     struct fmu_variable v;
-    fputs("  <UnitDefinitions>\n", out);
+    xml_put(out, "  <UnitDefinitions>\n");
     for (int i = 0; fmu_variable(p, i, &v); i++)
         if (!is_told(p, i, v.unit))
             put_unit(out, v.unit);
-    fputs("  </UnitDefinitions>\n", out);
+    xml_put(out, "  </UnitDefinitions>\n");
 }
 
 /* ---- variables ---- */
@@ -92,22 +92,22 @@ static void put_variable(FILE *out, struct contactplant *p, const struct fmu_var
         xml_put(out, " max='%n'", v->max);
     if (kind_table[v->kind].starts)
         xml_put(out, " start='%n'", start_of(p, v));
-    fputs("/>\n", out);
+    xml_put(out, "/>\n");
 }
 
 static void put_variables(FILE *out, struct contactplant *p)
 {
     struct fmu_variable v;
-    fputs("  <ModelVariables>\n", out);
+    xml_put(out, "  <ModelVariables>\n");
     for (int i = 0; fmu_variable(p, i, &v); i++)
         put_variable(out, p, &v);
-    fputs("  </ModelVariables>\n  <ModelStructure>\n", out);
+    xml_put(out, "  </ModelVariables>\n  <ModelStructure>\n");
     for (int unknown = 0; unknown < 2; unknown++)
         for (int i = 0; fmu_variable(p, i, &v); i++)
             if (!strcmp(kind_table[v.kind].causality, "output"))
                 xml_put(out, "    <%r valueReference='%u'/>\n", unknown ? "InitialUnknown" : "Output",
                         (unsigned)v.reference);
-    fputs("  </ModelStructure>\n", out);
+    xml_put(out, "  </ModelStructure>\n");
 }
 
 /* ---- the document ---- */
@@ -132,5 +132,5 @@ void fmu_describe(FILE *out, struct contactplant *p, const char *name, const cha
             "  </LogCategories>\n  <DefaultExperiment startTime='0' stopTime='%n' stepSize='%n'/>\n",
             s->over * s->dilation, s->frame_s);
     put_variables(out, p);
-    fputs("</fmiModelDescription>\n", out);
+    xml_put(out, "</fmiModelDescription>\n");
 }

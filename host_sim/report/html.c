@@ -157,7 +157,9 @@ static void begin_chart(struct html *h, const char *title, const char *unit, con
     put_member(h, "unit", unit);
     put_member(h, "x_name", x_name);
     put_member(h, "x_unit", x_unit);
-    json_item(&h->json, "%r'layers':[", log ? "\"log\":true," : "");
+    if (log)
+        json_item(&h->json, "'log':true");
+    json_item(&h->json, "'layers':[");
     h->place = HTML_CHART;
 }
 

@@ -36,6 +36,13 @@ if find host_sim -name '*.[ch]' | xargs grep -nE '\<(pl|plant|begin|lead)(\.|->)
 else
     echo "ok    host_sim leaves a plant's step and ledger alone"
 fi
+# JSON and XML are written by host_sim/out alone, so that any name survives in them.
+if grep -rnE '&(amp|lt|gt|quot);|<[?]xml|\\"[a-zA-Z_]+\\" *:|(printf|fputs)\(.*/>' host_sim --include='*.[ch]' | grep -v '^host_sim/out/'; then
+    echo "FAIL  host_sim writes JSON or XML outside host_sim/out: use json_put or xml_put"
+    bad=1
+else
+    echo "ok    JSON and XML are written by host_sim/out alone"
+fi
 if find models firmware hal host_sim -name '*_parts.h' | grep .; then
     echo "FAIL  a _parts.h: each declaration stands in the header of the file that defines it"
     bad=1
