@@ -281,12 +281,14 @@ FILE *files_compose(const char *path)
     return c->f;
 }
 
-bool files_make_temporary(char *path, size_t size)
+int files_make_temporary(char *path, size_t size)
 {
     const char *folder = getenv("TMPDIR");
     int n = snprintf(path, size, "%s/contactplant.XXXXXX", folder ? folder : "/tmp");
-    int file = n < (int)size ? mkstemp(path) : -1;
-    return file >= 0 && !close(file);
+    int file = n < (int)size ? mkostemp(path, O_CLOEXEC) : -1;
+    if (file >= 0 && !unlink(path))
+        snprintf(path, size, "/proc/self/fd/%d", file);
+    return file;
 }
 
 static bool put_bytes(int file, const char *bytes, size_t n)

@@ -42,8 +42,9 @@ FILE *files_compose(const char *path);
 /* Opens an output that goes on: to read and write, made where it is missing. NULL with errno. */
 FILE *files_resume(const char *path);
 
-/* Makes an empty file for a while, that nobody had before: its path in $TMPDIR, or /tmp. False with errno. */
-bool files_make_temporary(char *path, size_t size);
+/* Makes an empty file without a name in $TMPDIR, or /tmp, which this process finds at the path until it
+ * closes the file that is returned. Whatever ends the process, nothing is left. -1 with errno. */
+int files_make_temporary(char *path, size_t size);
 
 /* Ends what files_create and files_compose began; standard output is only flushed. good: all of it was put,
  * so that what was composed is to be written. True when the file is complete; else errno says why not. */

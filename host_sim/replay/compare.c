@@ -54,6 +54,11 @@ static void step(struct side *s)
     s->row.tick -= s->zero;
 }
 
+static const char *name_of(const struct compare *c, int i)
+{
+    return i && c->name ? c->name : c->path[i];
+}
+
 static bool open_side(struct side *s, const struct compare *c, int i, char *text)
 {
     const struct app *a = &c->scene->app;
@@ -130,12 +135,12 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
         return COMPARE_EQUAL;
     bool first = goes_on(c, b);
     if (n)
-        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", c->path[first ? 0 : 1], n);
+        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", name_of(c, first ? 0 : 1), n);
     else
         snprintf(text, COMPARE_TEXT,
                  "%s has no row of this plant while its time runs; is its --base-id another "
                  "one?",
-                 c->path[a->log.begun && goes_on(c, a) ? 1 : 0]);
+                 name_of(c, a->log.begun && goes_on(c, a) ? 1 : 0));
     return n ? COMPARE_APART : COMPARE_BAD;
 }
 

@@ -12,6 +12,7 @@ struct compare {
     const char *path[2];
     const char *interface[2];         /* on which its plant is; NULL: there is one */
     const char *command;              /* the subcommand that compares */
+    const char *name;                 /* the second log is called so in messages; NULL: by its path */
     const struct scene_app *scene;    /* that made both */
     double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
     uint64_t zero;                    /* tick of the second log that is tick 0 of the first one */

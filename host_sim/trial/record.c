@@ -7,7 +7,10 @@
 #include <strings.h>
 #include "host_sim/trial/bench/bench.h"
 
-enum { FILE_SHOWN = 100 /* bytes of a file's name, so that the whole has room in a folder */ };
+enum {
+    FILE_SHOWN = 100, /* bytes of a file name, so that the whole has room in a folder */
+    PLACE = 2 * PATH_MAX
+};
 
 /* ---- names ---- */
 
@@ -71,22 +74,53 @@ void record_name_cases(struct trial *const *trial, int n)
 
 /* ---- a folder ---- */
 
-/* Whether the path, where it leads to, lies in this folder. */
-static bool lies_in(const char *path, const char *folder)
+/* The path that this one leads to; of a file that is not there, its folder's and its name. */
+static void resolve(const char *path, char at[PLACE])
 {
-    char file[PATH_MAX], place[PATH_MAX];
-    if (!realpath(path, file) || !realpath(folder, place))
-        return false;
-    *strrchr(file, '/') = 0;
-    return !strcmp(file, place);
+    char folder[PATH_MAX], real[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash + 1 - path) : 1, slash ? path : ".");
+    if (realpath(path, at))
+        return;
+    if (realpath(folder, real))
+        snprintf(at, PLACE, "%s/%s", real, slash ? slash + 1 : path);
+    else
+        snprintf(at, PLACE, "%s", path);
+}
+
+static bool is_same(const char *a, const char *b)
+{
+    char place_a[PLACE], place_b[PLACE];
+    resolve(a, place_a);
+    resolve(b, place_b);
+    return !strcmp(place_a, place_b);
+}
+
+static bool find_golden(const struct trial *t, int i, char path[BENCH_PATH])
+{
+    bench_scene_path(t->file, t->cases[i].golden, path);
+    return *t->cases[i].golden != 0;
+}
+
+const struct trial_case *record_of_golden(const struct trial *t, const char *path)
+{
+    char golden[BENCH_PATH];
+    for (int i = 0; i < t->n_cases; i++)
+        if (find_golden(t, i, golden) && is_same(golden, path))
+            return &t->cases[i];
+    return NULL;
 }
 
 static bool has_golden(const struct trial *t, const char *folder)
 {
-    char path[BENCH_PATH];
+    char golden[BENCH_PATH], place[PLACE];
     for (int i = 0; i < t->n_cases; i++) {
-        bench_scene_path(t->file, t->cases[i].golden, path);
-        if (*t->cases[i].golden && lies_in(path, folder))
+        resolve(t->cases[i].golden[0] && find_golden(t, i, golden) ? golden : "/", place);
+        char *name = strrchr(place, '/');
+        if (!name || name == place)
+            continue;
+        *name = 0;
+        if (is_same(place, folder))
             return true;
     }
     return false;
@@ -95,7 +129,7 @@ static bool has_golden(const struct trial *t, const char *folder)
 const char *record_safe_folder(const struct trial *t, char text[TRIAL_RECORD])
 {
     snprintf(text, TRIAL_RECORD, "again");
-    for (int i = 2; has_golden(t, text); i++)
-        snprintf(text, TRIAL_RECORD, "again-%d", i);
+    for (int number = 2; has_golden(t, text); number++)
+        snprintf(text, TRIAL_RECORD, "again-%d", number);
     return text;
 }

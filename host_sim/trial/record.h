@@ -8,6 +8,9 @@
  * that another run has, with capitals or without, goes on with a number: keep.shaken-2. */
 void record_name_cases(struct trial *const *trial, int n);
 
+/* The case whose golden log is the file at this path, or will be; NULL: none. */
+const struct trial_case *record_of_golden(const struct trial *t, const char *path);
+
 /* A folder for --log that has none of the golden logs of this test. */
 const char *record_safe_folder(const struct trial *t, char text[TRIAL_RECORD]);
 

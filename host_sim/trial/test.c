@@ -11,6 +11,7 @@
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/trial/bench/bench_afm.h"
 #include "host_sim/trial/bench/child.h"
+#include "host_sim/trial/bench/controller.h"
 #include "host_sim/trial/record.h"
 #include "host_sim/trial/report.h"
 #include "host_sim/trial/trial_html.h"
@@ -66,7 +67,7 @@ static const struct usage test_usage = {
         "Exit status: 0 every case is ok, 1 a case failed or judged nothing, 2 a mistake in a file,\n"
         "3 the bench had an error: a controller that ended or was silent, a fault of the plant.\n",
     .examples = "  contactplant test keep.test\n"
-                "  contactplant test keep.test --case shaken --log .\n"
+                "  contactplant test keep.test --case shaken --log logs\n"
                 "  contactplant test tests/*.test --junit out.xml\n"
                 "  contactplant test keep.test --realtime                  beside contactplant run\n"
                 "  contactplant test keep.test --realtime --bus can:can0   a board, say\n",
@@ -287,26 +288,6 @@ static bool compute(void *context, int run, FILE *rows)
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 
-/* Before anything runs: no run records over an input or another output. 0, or the exit status after a line.
- */
-static int check_records(const struct tests *t)
-{
-    static const char *const ends[] = {".log", ".csv", ".controller.txt"};
-    static struct bench_result r;
-    const char *log = options_text(t->o, "log", 0);
-    char path[BENCH_PATH], why[FILES_REASON];
-    for (int run = 0; log && run < t->n_runs; run++) {
-        const struct bench_setting s = {.trial = t->report[report_of(t, run)].trial, .log = log};
-        identify(t, run, &r);
-        for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
-            controller_log_path(&s, &r, ends[i], path);
-            if (!files_take_in(log, path + strlen(log) + 1, why))
-                return options_misuse(t->o->usage, "%s", why);
-        }
-    }
-    return 0;
-}
-
 static void show_progress(const struct tests *t)
 {
     double passed_s = clock_now_s() - t->begin_s;
@@ -345,6 +326,18 @@ static bool take(void *taker, int run, char *text, bool last)
     return true;
 }
 
+/* The log of a run that did not come to its end, where it was begun. */
+static void name_log(const struct tests *t, int run, struct bench_result *r)
+{
+    const struct bench_setting s = {.trial = t->report[report_of(t, run)].trial,
+                                    .log = options_text(t->o, "log", 0)};
+    if (!s.log || s.trial->loops)
+        return;
+    controller_log_path(&s, r, ".log", r->log);
+    if (access(r->log, F_OK))
+        *r->log = 0;
+}
+
 /* An error in the place of a run's result. False: out of memory. */
 static bool book_error(struct tests *t, int run, const char *why)
 {
@@ -354,6 +347,7 @@ static bool book_error(struct tests *t, int run, const char *why)
     identify(t, run, r);
     r->verdict = VERDICT_ERROR;
     snprintf(r->error, sizeof r->error, "%s", why);
+    name_log(t, run, r);
     book(t, run, r);
     return true;
 }
@@ -465,21 +459,62 @@ static int check_addresses(const struct tests *t)
                : options_misuse(t->o->usage, "--bus %s: a bus is udp:PORT, udp:HOST:PORT or can:IFACE", bus);
 }
 
-static int prepare(struct tests *t)
+/* A record is no golden log of any case, though that be missing: a run would be compared with itself. */
+static int check_record(const struct tests *t, const char *path)
+{
+    char why[FILES_REASON];
+    const char *log = options_text(t->o, "log", 0);
+    const struct trial_case *of = NULL;
+    for (int i = 0; i < t->o->n_words && !of; i++)
+        of = record_of_golden(t->trial[i], path);
+    if (of)
+        return options_misuse(t->o->usage, "--log: %s is the golden log of [case %s]; choose another folder",
+                              path, of->name);
+    return files_take_in(log, path + strlen(log) + 1, why) ? 0
+                                                           : options_misuse(t->o->usage, "--log: %s", why);
+}
+
+/* Before anything runs: no run records over an input or another output. 0, or the exit status after a line.
+ */
+static int check_records(const struct tests *t)
+{
+    static const char *const ends[] = {".log", ".csv", ".controller.txt"};
+    static struct bench_result r; /* large: not on the stack */
+    struct bench_setting s = {.log = options_text(t->o, "log", 0)};
+    char path[BENCH_PATH];
+    int status = 0;
+    for (int run = 0; s.log && run < t->n_runs && !status; run++) {
+        s.trial = t->report[report_of(t, run)].trial;
+        identify(t, run, &r);
+        for (size_t i = 0; i < sizeof ends / sizeof *ends && !status; i++) {
+            controller_log_path(&s, &r, ends[i], path);
+            status = check_record(t, path);
+        }
+    }
+    return status;
+}
+
+static int make_folder(const struct tests *t)
 {
     const char *log = options_text(t->o, "log", 0);
     struct stat s;
-    int status = 0;
     if (log && (stat(log, &s) || !S_ISDIR(s.st_mode)) && mkdir(log, 0777))
         return options_misuse(t->o->usage, "--log %s: no such folder, and it cannot be made: %s", log,
                               strerror(errno));
+    return 0;
+}
+
+static int prepare(struct tests *t)
+{
+    int status = 0;
     ssize_t n = readlink("/proc/self/exe", t->program, sizeof t->program - 1);
     t->program[n > 0 ? n : 0] = 0;
     for (int i = 0; i < t->o->n_words && !status; i++)
         status = read_file(t, i);
     status = status ? status : check_addresses(t);
     status = status ? status : pick_cases(t);
-    return status ? status : check_records(t);
+    status = status ? status : check_records(t);
+    return status ? status : make_folder(t);
 }
 
 int cmd_test(int argc, char **argv)

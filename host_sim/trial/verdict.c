@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/cli/trouble.h"
@@ -133,12 +134,12 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
 
 /* ---- a golden log ---- */
 
-void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH])
+int verdict_open_record(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH])
 {
-    if (s->log)
-        controller_log_path(s, r, ".log", path);
-    else
-        (void)files_make_temporary(path, BENCH_PATH); /* else its recording fails, and says so */
+    if (!s->log)
+        return files_make_temporary(path, BENCH_PATH);
+    controller_log_path(s, r, ".log", path);
+    return -1;
 }
 
 /* A signal that is compared comes from the controller alone. */
@@ -148,6 +149,13 @@ static bool needs_commands(const struct trial_case *c)
     for (int i = DECODE_OUTPUTS; i < DECODE_SIGNALS; i++)
         needs = needs || !isnan(c->tolerance[i]);
     return needs;
+}
+
+/* A golden log that this run has just made: its folder was made for the record. */
+static bool is_record(const char *golden, const char *record)
+{
+    struct stat x, y;
+    return !stat(golden, &x) && !stat(record, &y) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
 void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,
@@ -162,6 +170,7 @@ void verdict_compare(const struct bench_setting *s, const struct scene_app *scen
     bench_scene_path(s->trial->file, c->golden, path);
     struct compare k = {.command = "test",
                         .path = {path, record},
+                        .name = s->log ? NULL : "this run",
                         .scene = scene,
                         .zero = zero,
                         .end = frames * a->substeps,
@@ -174,6 +183,9 @@ void verdict_compare(const struct bench_setting *s, const struct scene_app *scen
     if (deaf && needs_commands(c)) {
         o->verdict = VERDICT_UNTESTED;
         snprintf(text, sizeof text, "not judged: over UDP nobody but the plant hears the controller");
+    } else if (is_record(path, record)) {
+        o->verdict = VERDICT_ERROR;
+        snprintf(text, sizeof text, "there was no such log, and now it is that of this very run");
     } else {
         enum compare_verdict v = compare_logs(&k, text);
         o->verdict = v == COMPARE_EQUAL ? VERDICT_OK : v == COMPARE_APART ? VERDICT_FAIL : VERDICT_ERROR;

@@ -27,8 +27,9 @@ void verdict_truths(const struct trial_case *c, struct metric_setting *s);
 void verdict_judge(const struct evidence *e, const struct trial_case *c, struct measurement *m, int n,
                    struct bench_result *r);
 
-/* Where the log goes that is compared with a golden one: that of --log, or one that ends with the run. */
-void verdict_record_path(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH]);
+/* Where the log of a run goes: that of --log, or a file without a name, which ends when the file that is
+ * returned is closed (else -1). Whatever ends the run, nothing is left. */
+int verdict_open_record(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH]);
 
 /* Compares the record with the case's golden log, if it has one; `zero`: the tick where the case began. In
  * real time rows may be missing, and `deaf`: the controller is not heard. An outcome more in *r. */

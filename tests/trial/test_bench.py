@@ -233,6 +233,19 @@ def test_golden():
     c = subprocess.run(again(r).replace("contactplant", shlex.quote(program), 1), shell=True, cwd=directory, capture_output=True, text=True)
     verdict("  and stays one by the command that it advises", c.returncode == 1 and "FAIL" in c.stdout and os.path.exists(path("again/g.shaken.log")), c.stdout + c.stderr)
     verdict("  the golden log is as it was", read("g/g.shaken.log") == golden)
+    os.unlink(path("g/g.shaken.log"))
+    os.makedirs(path("new"), exist_ok=True)
+    file_of(None, (case % ("golden = ../new/w.shaken.log\n", 6)) + (case % ("", 3)).replace("shaken", "other"), "new/w.test")
+    for arguments in (("g/g.test", "--log", "g"), ("new/w.test", "--log", "new"), ("new/w.test", "--log", "new", "--case", "other", "--json", "new/w.other.log")):
+        r = test(*arguments)
+        verdict("a missing golden log or another output: %s is refused, and nothing is made" % " ".join(arguments), r.returncode == 2 and r.stderr.count("\n") == 1 and
+                not os.path.exists(path("g/g.shaken.log")) and os.listdir(path("new")) == ["w.test"], r.stdout + r.stderr)
+    r = test("g/g.test", "--log", "no/such/folder")
+    verdict("a folder in no folder: refused", r.returncode == 2 and not r.stdout, r.stderr)
+    file_of(None, case % ("golden = made/m.shaken.log\n", 3), "m.test")
+    r = test("m.test", "--log", "./made")
+    verdict("a missing golden log in a folder that --log makes: an error, by no name a comparison with itself", r.returncode in (2, 3) and "ok " not in r.stdout, r.stdout + r.stderr)
+    write("g/g.shaken.log", golden.decode())
     os.makedirs(path("here/again"), exist_ok=True)
     shutil.copy(path("g/g.test"), path("here/g.test"))
     shutil.copy(path("g/g.shaken.log"), path("here/again/g.shaken.log"))
@@ -242,6 +255,6 @@ def test_golden():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_harm, test_ends, test_lines, test_names, test_junit, test_again):
+    for part in (test_harm, test_ends, test_lines, test_names, test_junit, test_again, test_golden):
         part()
 conclude()

@@ -599,7 +599,12 @@ def test_golden():
     verdict("golden: a log of another scene is an error, with the reason", r.returncode == 3 and "is of another plant" in r.stdout, r.stdout)
     r = test(file_of("none", case + "golden = none.log\n"))
     verdict("golden: no log is an error", r.returncode == 3 and "none.log" in r.stdout, r.stdout)
-    verdict("  leaves no log of its own behind", not [x for x in os.listdir(tempfile.gettempdir()) if re.match(r"contactplant\.\d+\.log", x)])
+    os.makedirs(path("temporary"), exist_ok=True)
+    name = file_of("none", case.replace("0.4 s", "0.5 s") + "golden = golden/t.a.log\n[case killed]\nlike = a\n")
+    with open(name) as f:
+        write("t.test", f.read().replace("command = ", "command = [ {seed} = 1 ] || kill -9 $PPID && ").replace("[case killed]\nlike = a\n", "[case killed]\nlike = a\nseeds = 2..3\n"))
+    r = subprocess.run([program, "test", name], capture_output=True, text=True, cwd=directory, env=dict(os.environ, TMPDIR=path("temporary")))
+    verdict("  leaves no log of its own behind, also where the bench is killed", "ended by signal 9" in r.stdout and "1 failed" in r.stdout and not os.listdir(path("temporary")), r.stdout)
 
 
 def test_trouble():

@@ -27,6 +27,7 @@ struct bench {
     struct bus bus;
     struct lockstep lockstep;
     char record[BENCH_PATH]; /* the log of the bus, or "" */
+    int record_file;         /* that holds it where it has no name, or -1 */
     struct controller_place at;
     struct controller controller;
     struct bench_link link;
@@ -98,7 +99,7 @@ static bool open_bus(struct bench *b)
     b->plant.scene.app.hal = &b->bus.hal;
     if (!b->s->log && !*b->c->golden)
         return true;
-    verdict_record_path(b->s, b->r, b->record);
+    b->record_file = verdict_open_record(b->s, b->r, b->record);
     snprintf(b->r->log, sizeof b->r->log, "%s", b->s->log ? b->record : "");
     return bus_record(&b->bus, b->record, 0, why)
                ? true
@@ -183,6 +184,7 @@ void bench_run(const struct bench_setting *s, struct bench_result *r)
     static struct bench b; /* large: not on the stack */
     char why[REASON];
     memset(&b, 0, sizeof b);
+    b.record_file = -1;
     b.s = s;
     b.r = r;
     b.c = &s->trial->cases[r->i_case];
@@ -197,9 +199,9 @@ void bench_run(const struct bench_setting *s, struct bench_result *r)
     r->took_s = clock_now_s() - begin_s;
     bench_plant_judge(&b.plant, b.c, r);
     verdict_compare(s, &b.plant.scene, b.record, 0, false, r);
-    if (!s->log)
-        (void)unlink(b.record);
     let_go(&b);
     bus_close(&b.bus);
+    if (b.record_file >= 0)
+        close(b.record_file);
     bench_plant_close(&b.plant);
 }

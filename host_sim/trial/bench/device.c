@@ -28,6 +28,7 @@ struct device {
     struct bench_plant twin;
     struct bus bus;
     char record[BENCH_PATH]; /* the log of the bus, or "" */
+    int record_file;         /* that holds it where it has no name, or -1 */
     struct client_link link;
     struct hal paced; /* the bus, a command a bus frame */
     struct client client;
@@ -103,7 +104,7 @@ static bool open_bus(struct device *d)
     if (!bus_open(&d->bus, bus, peer, can ? 0 : 1, &d->twin.scene.app.scene, why))
         return controller_fail(d->r, "%s%s", why, "");
     if (d->s->log || *d->c->golden) {
-        verdict_record_path(d->s, d->r, d->record);
+        d->record_file = verdict_open_record(d->s, d->r, d->record);
         snprintf(d->r->log, sizeof d->r->log, "%s", d->s->log ? d->record : "");
         if (!bus_record(&d->bus, d->record, 0, why))
             return controller_fail(d->r, "--log: cannot write %.400s%s", d->record, "");
@@ -420,6 +421,7 @@ void device_run(const struct bench_setting *s, struct bench_result *r)
     static struct device d; /* large: not on the stack */
     char why[CONTROLLER_REASON];
     memset(&d, 0, sizeof d);
+    d.record_file = -1;
     d.s = s;
     d.r = r;
     d.c = &s->trial->cases[r->i_case];
@@ -435,11 +437,11 @@ void device_run(const struct bench_setting *s, struct bench_result *r)
         if (!bus_end_record(&d.bus, why) && r->verdict != VERDICT_ERROR)
             controller_fail(r, "--log: %s%s", why, "");
         verdict_compare(s, &d.twin.scene, d.record, d.wire.zero, !d.at.can, r);
-        if (!s->log)
-            (void)unlink(d.record);
     }
     r->plant_s = fmin(d.wire.now_s, d.c->over_s);
     r->took_s = clock_now_s() - begin_s;
     bus_close(&d.bus);
+    if (d.record_file >= 0)
+        close(d.record_file);
     bench_plant_close(&d.twin);
 }
