@@ -328,6 +328,7 @@ alone() { # what, frame, pattern of the console, more options of QEMU
     fi
 }
 
+make -s build/contactplant build/test_board build/test_board_can build/can_session >/dev/null || exit 1 # what speaks with a board
 only_bits=
 [ "${1:-}" = --bits ] && only_bits=yes && shift
 for board in ${*:-$(make -s boards)}; do

@@ -53,7 +53,7 @@ eva_conditions = perl -0777 -pe 's/\bif \(! (\((?:[^()]++|(?1))*\))\)/if ($$1 ==
 eva: $(EVA:%=eva-%) ## proofs that no input leads to an undefined operation (frama-c-base, five minutes), docs/why/proofs.md
 # Proofs that take more than some seconds are kept: make test compares the code that they are of with the code of today.
 EVA_KEPT := $(filter-out drive elementary,$(EVA))
-eva-checksums: $(EVA_KEPT:%=eva-kept-%)
+eva-checksums: $(EVA_KEPT:%=eva-kept-%) ## that the code is the one of its last proof, by checksums
 eva_code = '$(EVA_FLAGS) $(eva_flags_$*)' tests/eva/$*.c $(eva_src_$*)
 $(EVA:%=eva-%): eva-%:
 	@mkdir -p $(BUILD)/eva

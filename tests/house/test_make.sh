@@ -57,7 +57,7 @@ make -s help >"$out/help"
 verdict $? "make help: $(wc -l <"$out/help") lines"
 for target in $(sed -n 's/^\.PHONY://p' Makefile host_sim/*/*.mk linker/*.mk tests/*/*.mk); do
     case $target in
-    *[!a-z-]* | FORCE | programs | *-targets | *-quick | *-corpus | *-compiler | *-objects | *-sources | *-flags | *-check | charts-* | bench-peers | stack-depth | board*) ;;
+    *[!a-z-]* | FORCE | programs | *-targets | *-corpus | *-compiler | *-objects | *-sources | *-flags | *-check | charts-* | bench-peers | stack-depth | board*) ;;
     cross-compiler) ;; # made by other targets and scripts
     *)
         grep -q "^make $target " "$out/help"
