@@ -451,7 +451,7 @@ static int prepare(struct simulation *r)
     const char *why = choose_tick(r);
     if (why)
         return simulate_misuse(r, "this run cannot be done", why);
-    scene_load_tell_tolerance(r->o, r->model, r->method);
+    const struct method *named = r->method;
     r->chosen = r->method == &auto_method;
     if (r->chosen)
         r->method =
@@ -464,6 +464,7 @@ static int prepare(struct simulation *r)
     status = try_plant(r);
     if (status)
         return status;
+    scene_load_tell_tolerance(r->o, r->model, named);
     r->out = options_given(r->o, "out") ? options_create(r->o, "out") : stdout;
     bool events = r->out && options_given(r->o, "events");
     r->events = events ? options_create(r->o, "events") : NULL;

@@ -196,8 +196,9 @@ static int count_nan(void)
     int n = 0;
     for (int i = 0; i < bus.n_seen; i++) {
         const struct message *m = &bus.seen[i];
-        bool motion = m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT || m->kind == WIRE_LEDGER;
+        bool motion = m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT;
         n += motion && !(isfinite(m->value[1]) && isfinite(m->value[2]));
+        n += m->kind == WIRE_LEDGER && !isfinite(m->value[LEDGER_VALUE]);
     }
     return n;
 }
