@@ -22,6 +22,7 @@ ifneq (,$(SHORT))
 	@mkdir -p $(WHERE)
 	@$(BUILD)/bench_batch $(WHERE)/batch.csv 1
 	@$(BUILD)/peers --short $(WHERE) A1 tip C2
+	@tests/bench/tables.sh $(WHERE)/ratios.csv $(WHERE)/ratios.csv >$(WHERE)/tables.md
 	@tests/bench/check_short.sh $(WHERE)
 else
 	@$(MAKE) -s BUILD=build/bench/v3 OPT='-O3 -march=x86-64-v3' build/bench/v3/peers build/bench/v3/bench_batch
@@ -29,6 +30,7 @@ else
 	@$(MAKE) -s BUILD=build/bench/baseline OPT='-O3 -march=x86-64' build/bench/baseline/peers
 	@build/bench/v3/peers build/bench | tee build/bench/peers.txt
 	@build/bench/baseline/peers build/bench/baseline A1 base5 tip C1 C2 | tee build/bench/baseline/peers.txt
+	@tests/bench/tables.sh build/bench/ratios.csv build/bench/baseline/ratios.csv | tee build/bench/tables.md
 endif
 
 # draw SCRIPT, OPTIONS: gnuplot where docs/img shall be written to.

@@ -50,7 +50,7 @@ static int jacobian_hertz(realtype t, N_Vector y, N_Vector f, SUNMatrix j, void 
     const struct equation *e = &((struct context *)context)->e;
     double eta = N_VGetArrayPointer(y)[0];
     bool closed = e->locked ? e->closed & 1u : eta > 0.0;
-    double stiffness = e->w2 != 0.0 ? e->b * (1.0 + e->r * cos(e->w2 * t)) : e->b;
+    double stiffness = e->w2 != 0.0 ? e->b * (1.0 + e->r * equation_cosine(e->w2 * t)) : e->b;
     (void)f, (void)a, (void)b, (void)d;
     SM_ELEMENT_D(j, 0, 1) = 1.0;
     SM_ELEMENT_D(j, 1, 0) = -e->k - (closed ? 1.5 * stiffness * sqrt(fabs(eta)) : 0.0);
