@@ -2,6 +2,7 @@
 #include "models/afm_tip.h"
 
 #include <stddef.h>
+#include "models/flows.h"
 
 const struct signal afm_tip_states[2] = {
     {"position", "m", "tip position from first touch, positive into the contact", QUANTITY_LENGTH, "q"},

@@ -59,17 +59,6 @@ static inline void afm_tip_rhs(const double *p, const struct input *u, const dou
     x_dot[1] = ((drive - x[0]) - p[TIP_P_DAMPING] * x[1]) - stiffness * hertz_contact_force(x[0]);
 }
 
-static inline void afm_tip_flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double contact = p[TIP_P_HERTZ] * hertz_contact_force(x[0]);
-    double modulation = u[TIP_STIFFNESS].value;
-    afm_tip_rhs(p, u, x, f->x_dot);
-    f->work[TIP_FORCE] = u[TIP_FORCE].value * x[1];
-    f->work[TIP_STIFFNESS] = -modulation * contact * x[1];
-    f->damping = p[TIP_P_DAMPING] * x[1] * x[1];
-    f->force = fabs((1.0 + modulation) * contact);
-}
-
 static inline void afm_tip_gap(const double *p, const struct input *u, const double *x, struct input *gap)
 {
     (void)p, (void)u;

@@ -2,6 +2,7 @@
 #include "models/hertz_rig.h"
 
 #include <stddef.h>
+#include "models/flows.h"
 #include "models/math/elementary.h"
 
 const struct signal hertz_rig_states[2] = {

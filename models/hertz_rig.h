@@ -57,39 +57,6 @@ static inline void hertz_rig_rhs_forced(const double *p, const struct input *u, 
     x_dot[1] = (drive - p[RIG_P_TWO_XI] * x[1]) - (2.0 / 3.0) * hertz_contact_force(x[0]);
 }
 
-static inline void hertz_rig_flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double modulation = u[RIG_STIFFNESS].value;
-    double contact = (2.0 / 3.0) * hertz_contact_force(x[0] - u[RIG_BASE].value);
-    double relative = x[1] - u[RIG_BASE].rate; /* penetration rate */
-    double damper = p[RIG_P_TWO_XI] * relative;
-    double elastic = (1.0 + modulation) * contact;
-    double drive = (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value));
-    f->x_dot[0] = x[1];
-    f->x_dot[1] = drive - elastic - damper;
-    f->work[RIG_FORCE] = (2.0 / 3.0) * u[RIG_FORCE].value * x[1];
-    f->work[RIG_FAST_FORCE] = (2.0 / 3.0) * u[RIG_FAST_FORCE].value * x[1];
-    f->work[RIG_BASE] = -(elastic + damper) * u[RIG_BASE].rate;
-    f->work[RIG_STIFFNESS] = -modulation * contact * relative;
-    f->damping = damper * relative;
-    f->force = 1.5 * elastic;
-}
-
-/* flow where base and stiffness are at rest: the same bits; their work, which is 0, is not written. */
-static inline void hertz_rig_flow_forced(const double *p, const struct input *u, const double *x,
-                                         struct flow *f)
-{
-    double contact = (2.0 / 3.0) * hertz_contact_force(x[0]);
-    double damper = p[RIG_P_TWO_XI] * x[1];
-    double drive = (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value));
-    f->x_dot[0] = x[1];
-    f->x_dot[1] = drive - contact - damper;
-    f->work[RIG_FORCE] = (2.0 / 3.0) * u[RIG_FORCE].value * x[1];
-    f->work[RIG_FAST_FORCE] = (2.0 / 3.0) * u[RIG_FAST_FORCE].value * x[1];
-    f->damping = damper * x[1];
-    f->force = 1.5 * contact;
-}
-
 static inline void hertz_rig_gap(const double *p, const struct input *u, const double *x, struct input *gap)
 {
     (void)p;

@@ -2,7 +2,7 @@
 #include "models/rolling_contact.h"
 
 #include <stddef.h>
-#include "models/hertz_rig.h"
+#include "models/flows.h"
 #include "models/reduced/polynomial.h"
 
 static const struct signal states[] = {

@@ -37,20 +37,6 @@ static inline void rolling_contact_rhs(const double *p, const struct input *u, c
     x_dot[1] = (drive - p[ROLLING_P_TWO_ZETA] * x[1]) - (2.0 / 3.0) * hertz_contact_force(eta);
 }
 
-static inline void rolling_contact_flow(const double *p, const struct input *u, const double *x,
-                                        struct flow *f)
-{
-    double contact = (2.0 / 3.0) * hertz_contact_force(x[0] + u[ROLLING_WAVINESS].value);
-    double damper = p[ROLLING_P_TWO_ZETA] * x[1];
-    double drive = (2.0 / 3.0) * u[ROLLING_FORCE].value;
-    f->x_dot[0] = x[1];
-    f->x_dot[1] = (2.0 / 3.0) + drive - contact - damper;
-    f->work[ROLLING_FORCE] = drive * x[1];
-    f->work[ROLLING_WAVINESS] = contact * u[ROLLING_WAVINESS].rate;
-    f->damping = damper * x[1];
-    f->force = 1.5 * contact;
-}
-
 static inline void rolling_contact_gap(const double *p, const struct input *u, const double *x,
                                        struct input *gap)
 {

@@ -24,6 +24,7 @@
 #define MODELS_SHAFT_BEARING_H
 
 #include <math.h>
+#include "models/lanes.h"
 #include "models/model.h"
 
 extern const struct model shaft_bearing, shaft_bearing_linear, shaft_bearing_mode;
@@ -70,80 +71,11 @@ enum {
 /* Inlined into each use: left alone, gcc would call them. */
 #define SHAFT_INLINE static inline __attribute__((always_inline))
 
-/* How far x is beyond a gap on either side, with its sign. */
-SHAFT_INLINE double shaft_bearing_over(double x, double gap)
-{
-    double above = x - gap, below = x + gap;
-    return (above > 0.0 ? above : 0.0) + (below < 0.0 ? below : 0.0);
-}
-
-/* Force of the gap spring on mass i, 0 or 2, with the sign of x. */
-SHAFT_INLINE double shaft_bearing_contact(const double *p, const double *x, int i)
-{
-    return p[SHAFT_P_CONTACT + i] * shaft_bearing_over(x[i], p[SHAFT_P_GAP + i]);
-}
-
-/* The force on each mass without gap springs. */
-SHAFT_INLINE void shaft_bearing_force(const double *p, const struct input *u, const double *x, double *force)
-{
-    double bend = (x[0] + x[2]) - 2.0 * x[1];
-    force[0] = (u[0].value - p[SHAFT_P_DAMPING] * x[3]) - (p[SHAFT_P_SUPPORT] * x[0] + bend);
-    force[1] = (u[1].value - p[SHAFT_P_DAMPING + 1] * x[4]) + 2.0 * bend;
-    force[2] = (u[2].value - p[SHAFT_P_DAMPING + 2] * x[5]) - (p[SHAFT_P_SUPPORT + 2] * x[2] + bend);
-}
-
-SHAFT_INLINE void shaft_bearing_accelerate(const double *p, const double *force, const double *x,
-                                           double *x_dot)
-{
-    for (int i = 0; i < 3; i++) {
-        x_dot[i] = x[3 + i];
-        x_dot[3 + i] = p[SHAFT_P_INVERSE_MASS + i] * force[i];
-    }
-}
-
-SHAFT_INLINE void shaft_bearing_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    double force[3];
-    shaft_bearing_force(p, u, x, force);
-    force[0] -= shaft_bearing_contact(p, x, 0);
-    force[2] -= shaft_bearing_contact(p, x, 2);
-    shaft_bearing_accelerate(p, force, x, x_dot);
-}
-
-/* rhs of shaft_bearing_linear. */
-SHAFT_INLINE void shaft_bearing_rhs_open(const double *p, const struct input *u, const double *x,
-                                         double *x_dot)
-{
-    double force[3];
-    shaft_bearing_force(p, u, x, force);
-    shaft_bearing_accelerate(p, force, x, x_dot);
-}
-
-SHAFT_INLINE void shaft_bearing_powers(const double *p, const struct input *u, const double *x,
-                                       struct flow *f)
-{
-    f->damping = 0.0;
-    for (int i = 0; i < 3; i++) {
-        f->work[i] = u[i].value * x[3 + i];
-        f->damping += p[SHAFT_P_DAMPING + i] * x[3 + i] * x[3 + i];
-    }
-}
-
-SHAFT_INLINE void shaft_bearing_flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double contact1 = fabs(shaft_bearing_contact(p, x, 0)), contact3 = fabs(shaft_bearing_contact(p, x, 2));
-    shaft_bearing_rhs(p, u, x, f->x_dot);
-    shaft_bearing_powers(p, u, x, f);
-    f->force = contact1 > contact3 ? contact1 : contact3;
-}
-
-SHAFT_INLINE void shaft_bearing_flow_open(const double *p, const struct input *u, const double *x,
-                                          struct flow *f)
-{
-    shaft_bearing_rhs_open(p, u, x, f->x_dot);
-    shaft_bearing_powers(p, u, x, f);
-    f->force = 0.0;
-}
+#define real       double
+#define REAL(name) name
+#include "models/shaft_text.h"
+#undef real
+#undef REAL
 
 SHAFT_INLINE void shaft_bearing_gap(const double *p, const struct input *u, const double *x,
                                     struct input *gap)
@@ -157,32 +89,6 @@ SHAFT_INLINE void shaft_bearing_gap(const double *p, const struct input *u, cons
 }
 
 /* ---- one mode: positions phi_i q ---- */
-
-/* Force of the gap spring on mass i, 0 or 2. */
-SHAFT_INLINE double shaft_mode_contact(const double *p, double q, int i)
-{
-    return p[SHAFT_P_CONTACT + i] * shaft_bearing_over(p[SHAFT_P_SHAPE + i] * q, p[SHAFT_P_GAP + i]);
-}
-
-SHAFT_INLINE void shaft_mode_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    const double *phi = &p[SHAFT_P_SHAPE];
-    double push = (phi[0] * u[0].value + phi[2] * u[2].value) + phi[1] * u[1].value;
-    double contact = phi[0] * shaft_mode_contact(p, x[0], 0) + phi[2] * shaft_mode_contact(p, x[0], 2);
-    double own = p[SHAFT_P_MODE_DAMPING] * x[1] + p[SHAFT_P_MODE_STIFFNESS] * x[0];
-    x_dot[0] = x[1];
-    x_dot[1] = p[SHAFT_P_MODE_INVERSE_MASS] * ((push - own) - contact);
-}
-
-SHAFT_INLINE void shaft_mode_flow(const double *p, const struct input *u, const double *x, struct flow *f)
-{
-    double contact1 = fabs(shaft_mode_contact(p, x[0], 0)), contact3 = fabs(shaft_mode_contact(p, x[0], 2));
-    shaft_mode_rhs(p, u, x, f->x_dot);
-    for (int i = 0; i < 3; i++)
-        f->work[i] = u[i].value * (p[SHAFT_P_SHAPE + i] * x[1]);
-    f->damping = p[SHAFT_P_MODE_DAMPING] * x[1] * x[1];
-    f->force = contact1 > contact3 ? contact1 : contact3;
-}
 
 SHAFT_INLINE void shaft_mode_gap(const double *p, const struct input *u, const double *x, struct input *gap)
 {

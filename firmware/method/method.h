@@ -100,6 +100,37 @@ typedef enum step_status step_function(const struct model *m, const double *p, d
                                        const struct segment *e, unsigned regime, double *x,
                                        struct crossing *crossing);
 
+struct phasor {
+    double cosine, sine;
+};
+
+/* Quiet ticks, one after the other: inputs that only run on, and no command between two of them. Tick k goes
+ * from x[k] to x[k + 1], with its inputs at[2 k] at its begin, at[2 k + 1] in its middle and at[2 k + 2] at
+ * its end. */
+enum {
+    BLOCK_TICKS = 8,   /* a multiple of the next */
+    BLOCK_TOGETHER = 2 /* ticks that are turned, moved and booked in one go */
+};
+struct method_block {
+    double length;   /* model time of each */
+    unsigned active; /* as in struct segment; the inputs of the others are 0 */
+    unsigned regime; /* in all of them */
+    double x[1 + BLOCK_TICKS][MODEL_STATES];
+    struct input at[1 + 2 * BLOCK_TICKS][MODEL_INPUTS];
+    struct phasor phasor[1 + BLOCK_TICKS]
+                        [MODEL_INPUTS]; /* where the inputs stand at the begin and at the ends */
+};
+
+/* Several steps: up to n ticks of the block b, from the one on whose state is x[0] and whose inputs are at[0]
+ * to at[2]. It stops before a tick in which a contact may switch, or which the state leaves. Returns the
+ * ticks done, which have the bits of single steps. */
+typedef uint32_t run_function(const struct model *m, const double *p, double *scratch,
+                              const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                              double (*x)[MODEL_STATES], uint32_t n);
+
+/* A state larger than this many model units (the contact's own length) is trouble, not motion. */
+#define METHOD_STATE_LIMIT 1e12
+
 /* Energies that one step moved, model units. A method fills them in if it knows them better than powers at
  * three instants show. */
 struct method_books {
@@ -130,6 +161,8 @@ struct method {
     /* The step for this model: with the model inlined where instances.h has it, else the general one. Same
      * bits. */
     step_function *(*bind)(const struct model *m);
+    /* NULL, or the same for several ticks; it may give NULL, too: then they are single steps. */
+    run_function *(*bind_run)(const struct model *m);
     /* NULL, or the books of the last step, of a model with a modal_form; the ledger takes them as they
      * are. */
     const struct method_books *(*books)(const double *scratch);

@@ -26,28 +26,28 @@ struct inlined {
 /* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. The stage velocities are
  * put into the stage positions. So the chain from one force to the next is two operations shorter, and the
  * positions need the sum of three accelerations only. */
-ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct segment *e, const double *x,
-                           double *x1)
+ALWAYS_INLINE void advance(struct inlined m, const double *p, double h,
+                           const struct input (*at)[MODEL_INPUTS], const double *x, double *x1)
 {
     double k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
-    double h = e->length, half = 0.5 * h, quarter = half * half, square = half * h;
+    double half = 0.5 * h, quarter = half * half, square = half * h;
     int n = m.n / 2;
-    m.rhs(p, e->at[0], x, k1);
+    m.rhs(p, at[0], x, k1);
     for (int i = 0; i < n; i++) {
         y[i] = x[i] + half * x[n + i];
         y[n + i] = x[n + i] + half * k1[n + i];
     }
-    m.rhs(p, e->at[1], y, k2);
+    m.rhs(p, at[1], y, k2);
     for (int i = 0; i < n; i++) {
         y[i] = (x[i] + half * x[n + i]) + quarter * k1[n + i];
         y[n + i] = x[n + i] + half * k2[n + i];
     }
-    m.rhs(p, e->at[1], y, k3);
+    m.rhs(p, at[1], y, k3);
     for (int i = 0; i < n; i++) {
         y[i] = (x[i] + h * x[n + i]) + square * k2[n + i];
         y[n + i] = x[n + i] + h * k3[n + i];
     }
-    m.rhs(p, e->at[2], y, k4);
+    m.rhs(p, at[2], y, k4);
     double sixth = h * (1.0 / 6.0), sixth_square = h * sixth;
     for (int i = 0; i < n; i++) {
         double middle = k2[n + i] + k3[n + i];
@@ -56,12 +56,12 @@ ALWAYS_INLINE void advance(struct inlined m, const double *p, const struct segme
     }
 }
 
-static bool finite_state(const double *x, int n)
+static bool inside(const double *x, int n, double limit)
 {
     double sum = 0.0;
     for (int i = 0; i < n; i++)
         sum += fabs(x[i]);
-    return sum <= DBL_MAX;
+    return sum <= limit;
 }
 
 /* Any model, with the bits of its inlined copy; for rare cases. */
@@ -74,7 +74,7 @@ static void advance_general(const struct model *m, const double *p, const double
                             const struct segment *e, const double *x, double *x1)
 {
     (void)scratch;
-    advance(through_pointers(m), p, e, x, x1);
+    advance(through_pointers(m), p, e->length, e->at, x, x1);
 }
 
 /* Something switched, or nearly did: takes the step once more, to locate it. Handing over the values that
@@ -89,27 +89,52 @@ CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double
     return switch_locate(&stepper, e, regime, x, c);
 }
 
+/* May a contact switch between x and x1? */
+ALWAYS_INLINE bool suspected(struct inlined m, const double *p, double h,
+                             const struct input (*at)[MODEL_INPUTS], unsigned regime, const double *x,
+                             const double *x1)
+{
+    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
+    bool any = false;
+    m.gap(p, at[0], x, g0);
+    m.gap(p, at[2], x1, g1);
+    for (int i = 0; i < m.n_contacts; i++)
+        any |= switch_suspected(&g0[i], &g1[i], h, (regime >> i) & 1u);
+    return any;
+}
+
 ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model, const double *p,
                                     double *scratch, const struct segment *e, unsigned regime, double *x,
                                     struct crossing *c)
 {
     double x1[MODEL_STATES];
-    struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
-    bool suspected = false;
-    advance(m, p, e, x, x1);
-    if (!finite_state(x1, m.n))
+    advance(m, p, e->length, e->at, x, x1);
+    if (!inside(x1, m.n, DBL_MAX))
         return STEP_NOT_FINITE;
-    if (!(regime & REGIME_ANY)) {
-        m.gap(p, e->at[0], x, g0);
-        m.gap(p, e->at[2], x1, g1);
-        for (int i = 0; i < m.n_contacts; i++)
-            suspected |= switch_suspected(&g0[i], &g1[i], e->length, (regime >> i) & 1u);
-        if (suspected)
-            return locate(model, p, scratch, e, regime, x, c);
-    }
+    if (!(regime & REGIME_ANY) && suspected(m, p, e->length, e->at, regime, x, x1))
+        return locate(model, p, scratch, e, regime, x, c);
     for (int i = 0; i < m.n; i++)
         x[i] = x1[i];
     return STEP_END;
+}
+
+/* The state stays in registers from tick to tick. */
+ALWAYS_INLINE uint32_t run(struct inlined m, const double *p, const struct method_block *b,
+                           const struct input (*at)[MODEL_INPUTS], double (*to)[MODEL_STATES], uint32_t n)
+{
+    double x[MODEL_STATES], x1[MODEL_STATES], h = b->length;
+    unsigned regime = b->regime;
+    for (int i = 0; i < m.n; i++)
+        x[i] = to[0][i];
+    for (uint32_t k = 0; k < n; k++, at += 2) {
+        advance(m, p, h, at, x, x1);
+        if (!inside(x1, m.n, METHOD_STATE_LIMIT) || suspected(m, p, h, at, regime, x, x1))
+            return k;
+        to++;
+        for (int i = 0; i < m.n; i++)
+            to[0][i] = x[i] = x1[i];
+    }
+    return n;
 }
 
 /* Any model, through its pointers. */
@@ -119,7 +144,17 @@ static enum step_status step_general(const struct model *m, const double *p, dou
     return step(through_pointers(m), m, p, scratch, e, regime, x, c);
 }
 
-#define DECLARE(name, ...) static step_function step_##name;
+static uint32_t run_general(const struct model *m, const double *p, double *scratch,
+                            const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                            double (*x)[MODEL_STATES], uint32_t n)
+{
+    (void)scratch;
+    return run(through_pointers(m), p, b, at, x, n);
+}
+
+#define DECLARE(name, ...)                                                                                   \
+    static step_function step_##name;                                                                        \
+    static run_function run_##name;
 INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
@@ -127,7 +162,7 @@ INSTANCES(DECLARE)
         return step_##row(m, p, scratch, e, regime, x, c);
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
-#define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                            \
+#define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                      \
     CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p,                \
                                                       double *scratch, const struct segment *e,              \
                                                       unsigned regime, double *x, struct crossing *c)        \
@@ -139,6 +174,23 @@ INSTANCES(DECLARE)
     }
 INSTANCES(STEP)
 
+#undef JUMP
+#define JUMP(row, when)                                                                                      \
+    if (when)                                                                                                \
+        return run_##row(m, p, scratch, b, at, x, n);
+
+#define RUN(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                       \
+    CALLED_FROM_ANYWHERE uint32_t run_##name(                                                                \
+        const struct model *m, const double *p, double *scratch, const struct method_block *b,               \
+        const struct input(*at)[MODEL_INPUTS], double(*x)[MODEL_STATES], uint32_t n)                         \
+    {                                                                                                        \
+        unsigned active = b->active;                                                                         \
+        (void)m, (void)scratch, (void)active;                                                                \
+        jumps;                                                                                               \
+        return run((struct inlined){rhs, gap, states, contacts}, p, b, at, x, n);                            \
+    }
+INSTANCES(RUN)
+
 static step_function *bind(const struct model *m)
 {
 #define BIND(name, for_models, ...)                                                                          \
@@ -146,6 +198,15 @@ static step_function *bind(const struct model *m)
         return step_##name;
     INSTANCES(BIND)
     return step_general;
+}
+
+static run_function *bind_run(const struct model *m)
+{
+#define BIND_RUN(name, for_models, ...)                                                                      \
+    if (for_models)                                                                                          \
+        return run_##name;
+    INSTANCES(BIND_RUN)
+    return run_general;
 }
 
 static size_t n_scratch(const struct model *m)
@@ -188,4 +249,5 @@ const struct method rk4 = {
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,
+    .bind_run = bind_run,
 };

@@ -211,13 +211,28 @@ struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w
     return begin_steady(d, ticks_per_time, w);
 }
 
+/* The tick after drive_steady. */
+ALWAYS_INLINE void turn(struct drive *d, struct wave *w, struct input *middle, struct input *end)
+{
+    double c = d->cosine, s = d->sine;
+    w->cosine = c;
+    w->sine = s;
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+    *middle = steady_input(w, c, s);
+    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+    *end = steady_input(w, c, s);
+    d->cosine = c;
+    d->sine = s;
+    drive_pass(d, 1);
+}
+
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end)
 {
     bool steady = d->phasor_valid && length == TICK_FRACTIONS;
     if (steady || (length == TICK_FRACTIONS && (d->ramp_left | d->sample_left) == 0)) {
         *begin = begin_steady(d, ticks_per_time, w);
-        drive_turn(d, w, middle, end);
+        turn(d, w, middle, end);
     } else {
         segment_general(d, length, ticks_per_time, w, begin, middle, end);
     }

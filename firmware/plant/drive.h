@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "models/check.h"
+#include "models/lanes.h"
 #include "firmware/method/method.h"
 #include "firmware/plant/noise.h"
 
@@ -138,25 +139,43 @@ ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s
     return (struct input){w->offset + w->amplitude * c, (-w->amplitude * w->omega) * s};
 }
 
-/* Whole ticks of constant amplitude, frequency and sample, in two parts of what drive_segment does.
+/* Whole ticks of constant amplitude, frequency and sample, in three parts of what drive_segment does.
  * drive_steady comes first, at the start of a tick: it sets the wave but for its phase, and returns the input
- * now. Then drive_turn takes each of up to resync_left ticks. Its begin is what was the end. A drive that
- * stands need not turn: its wave and inputs are those of the tick before. */
+ * now. drive_turn fills in some ticks of a block behind the one at whose end its input `at` and its
+ * phasor stand. drive_pass ends `ticks` of them, at most resync_left; the caller puts the phasor in place.
+ * The ticks of a drive that stands are alike: nothing turns. */
 struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w);
 
-ALWAYS_INLINE void drive_turn(struct drive *d, struct wave *w, struct input *middle, struct input *end)
+ALWAYS_INLINE void drive_turn(const struct drive *d, const struct wave *w, struct input *at,
+                              struct phasor *phasor, int ticks)
 {
-    double c = d->cosine, s = d->sine;
-    w->cosine = c;
-    w->sine = s;
-    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
-    *middle = steady_input(w, c, s);
-    drive_rotate(&c, &s, d->half_cosine, d->half_sine);
-    *end = steady_input(w, c, s);
-    d->cosine = c;
-    d->sine = s;
-    d->carrier += d->step;
-    d->resync_left--;
+#if TICK_LANES >                                                                                             \
+    1 /* cosine and sine, and value and rate, side by side: the same bits, half the instructions */
+    real_lanes now = *(const lanes_in_memory *)(const void *)phasor;
+    const real_lanes turn = {d->half_cosine, d->half_cosine}, cross = {-d->half_sine, d->half_sine};
+    const real_lanes factor = {w->amplitude, -w->amplitude * w->omega}, offset = {w->offset, -0.0};
+    UNROLL
+    for (int k = 1; k <= 2 * ticks; k++) {
+        now = now * turn + (real_lanes){now[1], now[0]} * cross;
+        *(lanes_in_memory *)(void *)&at[k * MODEL_INPUTS] = offset + factor * now;
+        if (k % 2 == 0)
+            *(lanes_in_memory *)(void *)&phasor[k / 2 * MODEL_INPUTS] = now;
+    }
+#else
+    double c = phasor->cosine, s = phasor->sine;
+    for (int k = 1; k <= 2 * ticks; k++) {
+        drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+        at[k * MODEL_INPUTS] = steady_input(w, c, s);
+        if (k % 2 == 0)
+            phasor[k / 2 * MODEL_INPUTS] = (struct phasor){c, s};
+    }
+#endif
+}
+
+static inline void drive_pass(struct drive *d, uint32_t ticks)
+{
+    d->carrier += ticks * d->step;
+    d->resync_left -= ticks;
 }
 
 /* The unit of the input changed: every amplitude, sample and deviation times `factor`. */

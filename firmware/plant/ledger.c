@@ -2,6 +2,7 @@
 #include "firmware/plant/ledger.h"
 
 #include <math.h>
+#include <stddef.h>
 #include "models/check.h"
 #include "firmware/method/instances.h"
 
@@ -29,43 +30,21 @@ static double larger(double a, double b)
 }
 
 typedef void flow_function(const double *p, const struct input *u, const double *x, struct flow *flow);
+#if TICK_LANES > 1
+typedef void lanes_function(const double *p, const struct input_lanes *u, const real_lanes *x,
+                            struct flow_lanes *flow);
+#endif
 
 /* The model as compile-time constants of one instantiation. */
 struct inlined {
-    flow_function *flow;
     int n, n_inputs; /* states, and inputs that may be active */
+    flow_function *flow;
+#if TICK_LANES > 1
+    lanes_function *lanes; /* NULL: each tick by itself */
+#else
+    flow_function *lanes;
+#endif
 };
-
-/* Simpson's rule over the powers at both ends and in the middle. */
-ALWAYS_INLINE void book(struct inlined m, struct ledger *l, unsigned active, double sixth,
-                        const struct flow *begin, const struct flow *middle, const struct flow *end)
-{
-    double gross = l->gross;
-    UNROLL
-    for (int i = 0; i < m.n_inputs; i++) {
-        if (!((active >> i) & 1u))
-            continue;
-        double work = sixth * ((begin->work[i] + end->work[i]) + 4.0 * middle->work[i]);
-        add(&l->work[i], work);
-        gross += fabs(work);
-    }
-    double damping = sixth * ((begin->damping + end->damping) + 4.0 * middle->damping);
-    add(&l->damping, damping);
-    l->gross = gross + damping;
-}
-
-/* Hands the end of this piece to the next one. It copies field by field, so that fields which an
- * instantiation does not set cost nothing. Velocities stand in the state. */
-ALWAYS_INLINE void keep(struct inlined m, struct flow *begin, const struct flow *end)
-{
-    for (int k = m.n / 2; k < m.n; k++)
-        begin->x_dot[k] = end->x_dot[k];
-    UNROLL
-    for (int i = 0; i < m.n_inputs; i++)
-        begin->work[i] = end->work[i];
-    begin->damping = end->damping;
-    begin->force = end->force;
-}
 
 /* A shorter piece (model time) takes its mean velocity for the secant, which rounding would spoil. */
 #define SECANT_MIN 1e-6
@@ -82,44 +61,165 @@ void ledger_weigh(struct ledger *l, double length)
                                    .mean = apart ? -0.875 : 1.0};
 }
 
-/* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends: of the
- * quintic Hermite polynomial
- *
- *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64
- *
- *   v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32 */
-ALWAYS_INLINE void middle_of(int n, const struct ledger_rule *r, const struct flow *begin,
-                             const struct flow *end, const double *x0, const double *x1, double *x)
+#define real       double
+#define REAL(name) name
+#define EACH
+#include "firmware/plant/ledger_middle.h"
+#undef real
+#undef REAL
+#undef EACH
+
+#if TICK_LANES > 1
+#define real       real_lanes
+#define REAL(name) name##_lanes
+#define EACH       UNROLL
+#include "firmware/plant/ledger_middle.h"
+#undef real
+#undef REAL
+#undef EACH
+#endif
+
+/* Adds what a piece moved. */
+ALWAYS_INLINE void book(int n_inputs, struct ledger *l, const double *work, double damping)
 {
-    for (int i = 0, k = n / 2; k < n; i++, k++) {
-        double mean = 0.5 * (x0[k] + x1[k]), secant = (x1[i] - x0[i]) * r->inverse;
-        x[i] = (0.5 * (x0[i] + x1[i]) + r->a * (x0[k] - x1[k])) + r->b * (begin->x_dot[k] + end->x_dot[k]);
-        x[k] = (1.875 * secant + r->mean * mean) + r->c * (end->x_dot[k] - begin->x_dot[k]);
+    double gross = l->gross;
+    unsigned active = l->active;
+    UNROLL
+    for (int i = 0; i < n_inputs; i++) {
+        if (!((active >> i) & 1u))
+            continue;
+        add(&l->work[i], work[i]);
+        gross += fabs(work[i]);
     }
+    add(&l->damping, damping);
+    l->gross = gross + damping;
 }
 
-ALWAYS_INLINE double piece(struct inlined m, struct ledger *l, const double *p, const struct segment *e,
-                           const double *x0, const double *x1)
+/* One piece. Its end is handed to the next one field by field: those that an instantiation does not set cost
+ * nothing. Velocities stand in the state. */
+ALWAYS_INLINE double one_piece(struct inlined m, struct ledger *l, const double *p,
+                               const struct input (*at)[MODEL_INPUTS], const double *x0, const double *x1)
 {
     struct flow *begin = &l->flow, end, middle;
-    double x[MODEL_STATES];
-    m.flow(p, e->at[2], x1, &end);
-    middle_of(m.n, &l->rule, begin, &end, x0, x1, x);
-    m.flow(p, e->at[1], x, &middle);
-    book(m, l, e->active, l->rule.sixth, begin, &middle, &end);
+    double x[MODEL_STATES], work[MODEL_INPUTS] = {0}, sixth = l->rule.sixth;
+    m.flow(p, at[1], x1, &end);
+    middle_of(m.n, &l->rule, begin->x_dot, end.x_dot, x0, x1, x);
+    m.flow(p, at[0], x, &middle);
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++) {
+        work[i] = simpson(sixth, begin->work[i], middle.work[i], end.work[i]);
+        begin->work[i] = end.work[i];
+    }
+    book(m.n_inputs, l, work, simpson(sixth, begin->damping, middle.damping, end.damping));
     double force = larger(begin->force, larger(middle.force, end.force));
-    keep(m, begin, &end);
+    for (int k = m.n / 2; k < m.n; k++)
+        begin->x_dot[k] = end.x_dot[k];
+    begin->damping = end.damping;
+    begin->force = end.force;
     return force;
 }
 
+#if TICK_LANES > 1
+/* From the values at the ends of both ticks those at their begins; *last: the end of the tick before, and
+ * then of these. */
+ALWAYS_INLINE real_lanes step_back(double *last, real_lanes end)
+{
+    real_lanes begin = {*last, end[0]};
+    *last = end[1];
+    return begin;
+}
+
+/* TICK_LANES pieces as by one_piece, to equal bits. */
+ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const double *p,
+                                  const struct input (*at)[MODEL_INPUTS], const double *x0, const double *x1)
+{
+    struct flow *last = &l->flow;
+    struct input_lanes u[2][MODEL_INPUTS];
+    struct flow_lanes begin, middle, end;
+    real_lanes from[MODEL_STATES], to[MODEL_STATES], x[MODEL_STATES], work[MODEL_INPUTS];
+    double sixth = l->rule.sixth, force = last->force;
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++) {
+        UNROLL
+        for (int k = 0; k < 2; k++)
+            u[k][i] = (struct input_lanes){{at[k][i].value, at[2 + k][i].value},
+                                           {at[k][i].rate, at[2 + k][i].rate}};
+    }
+    UNROLL
+    for (int k = 0; k < m.n; k++) {
+        from[k] = (real_lanes){x0[k], x1[k]};
+        to[k] = (real_lanes){x1[k], x1[MODEL_STATES + k]};
+    }
+    m.lanes(p, u[1], to, &end);
+    UNROLL
+    for (int k = m.n / 2; k < m.n; k++)
+        begin.x_dot[k] = step_back(&last->x_dot[k], end.x_dot[k]);
+    middle_of_lanes(m.n, &l->rule, begin.x_dot, end.x_dot, from, to, x);
+    m.lanes(p, u[0], x, &middle);
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++)
+        work[i] = simpson_lanes(sixth, step_back(&last->work[i], end.work[i]), middle.work[i], end.work[i]);
+    real_lanes damping =
+        simpson_lanes(sixth, step_back(&last->damping, end.damping), middle.damping, end.damping);
+    UNROLL
+    for (int k = 0; k < TICK_LANES; k++) {
+        double of_tick[MODEL_INPUTS];
+        UNROLL
+        for (int i = 0; i < m.n_inputs; i++)
+            of_tick[i] = work[i][k];
+        book(m.n_inputs, l, of_tick, damping[k]);
+        force = larger(force, larger(middle.force[k], end.force[k]));
+    }
+    last->force = end.force[1];
+    return force;
+}
+#else
+#define side_by_side one_piece /* never called */
+#endif
+
 /* Any model, through its pointer: the same bits as an instantiation. */
+static struct inlined through_pointers(const struct model *m)
+{
+    return (struct inlined){m->n_states, m->n_inputs, m->flow, NULL};
+}
+
+NEVER_INLINE double one_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                                const double *x0, const double *x1)
+{
+    return one_piece(through_pointers(l->model), l, p, at, x0, x1);
+}
+
 static double piece_general(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                             const double *x1)
 {
-    return piece((struct inlined){l->model->flow, l->model->n_states, l->model->n_inputs}, l, p, e, x0, x1);
+    return one_general(l, p, &e->at[1], x0, x1);
 }
 
-#define DECLARE(name, ...) static ledger_function piece_##name;
+static double ticks_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                            const double (*x)[MODEL_STATES], uint32_t n)
+{
+    double force = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        force = larger(force, one_general(l, p, &at[2 * k + 1], x[k], x[k + 1]));
+    return force;
+}
+
+/* Ticks of a block. A last one alone is rare. */
+ALWAYS_INLINE double ticks(struct inlined m, struct ledger *l, const double *p,
+                           const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
+                           uint32_t n)
+{
+    double force = 0.0;
+    if (TICK_LANES > 1 && m.lanes)
+        return n == TICK_LANES ? side_by_side(m, l, p, at + 1, x[0], x[1]) : ticks_general(l, p, at, x, n);
+    for (uint32_t k = 0; k < n; k++)
+        force = larger(force, one_piece(m, l, p, &at[2 * k + 1], x[k], x[k + 1]));
+    return force;
+}
+
+#define DECLARE(name, ...)                                                                                   \
+    static ledger_function piece_##name;                                                                     \
+    static ledger_ticks_function ticks_##name;
 INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
@@ -127,16 +227,42 @@ INSTANCES(DECLARE)
         return piece_##row(l, p, e, x0, x1);
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
-#define PIECE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow)                           \
+#define PIECE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                     \
     CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct segment *e,     \
                                              const double *x0, const double *x1)                             \
     {                                                                                                        \
         unsigned active = e->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return piece((struct inlined){flow, states, n_inputs}, l, p, e, x0, x1);                             \
+        return one_piece((struct inlined){states, n_inputs, flow, wide}, l, p, &e->at[1], x0, x1);           \
     }
 INSTANCES(PIECE)
+
+#undef JUMP
+#define JUMP(row, when)                                                                                      \
+    if (when)                                                                                                \
+        return ticks_##row(l, p, at, x, n);
+
+#define TICKS(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                     \
+    CALLED_FROM_ANYWHERE double ticks_##name(struct ledger *l, const double *p,                              \
+                                             const struct input(*at)[MODEL_INPUTS],                          \
+                                             const double(*x)[MODEL_STATES], uint32_t n)                     \
+    {                                                                                                        \
+        unsigned active = l->active;                                                                         \
+        (void)active;                                                                                        \
+        jumps;                                                                                               \
+        return ticks((struct inlined){states, n_inputs, flow, wide}, l, p, at, x, n);                        \
+    }
+INSTANCES(TICKS)
+
+ledger_ticks_function *ledger_bind_ticks(const struct model *m)
+{
+#define BIND_TICKS(name, for_models, ...)                                                                    \
+    if (for_models)                                                                                          \
+        return ticks_##name;
+    INSTANCES(BIND_TICKS)
+    return ticks_general;
+}
 
 static ledger_function *bind(const struct model *m)
 {

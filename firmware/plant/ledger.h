@@ -33,6 +33,12 @@ struct ledger_rule {
 struct ledger;
 typedef double ledger_function(struct ledger *l, const double *p, const struct segment *e, const double *x0,
                                const double *x1);
+/* Behind ledger_begin: books n ticks of a block, 1 or BLOCK_TOGETHER, from the one on whose inputs are at[0]
+ * to at[2] and whose states are x[0] and x[1]. Returns the largest contact force at their ends and middles.
+ */
+typedef double ledger_ticks_function(struct ledger *l, const double *p,
+                                     const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
+                                     uint32_t n);
 
 struct ledger {
     const struct model *model;
@@ -46,6 +52,7 @@ struct ledger {
     struct sum start;              /* stored energy when the ledger began */
     struct flow flow;              /* at the end of the last piece; powers of the active inputs */
     struct ledger_rule rule;       /* for pieces as long as the last one */
+    unsigned active;               /* bit i: input i sounds in the piece */
     bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };
 
@@ -56,8 +63,23 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
 /* Goes on with another model and the sums so far. ledger_rescale must follow. */
 void ledger_bind(struct ledger *l, const struct model *m);
 
+/* For the model: an instantiation with its flow inlined, or the general one; bits as those of `piece`. */
+ledger_ticks_function *ledger_bind_ticks(const struct model *m);
+
 /* Weights for pieces of this length, which stay until another length comes. */
 void ledger_weigh(struct ledger *l, double length);
+
+/* A piece as long as e begins at inputs u and state x: weights, and the flow there, unless they are known. */
+static inline void ledger_begin(struct ledger *l, const double *p, const struct segment *e,
+                                const struct input *u, const double *x)
+{
+    l->active = e->active;
+    if (e->length != l->rule.length)
+        ledger_weigh(l, e->length);
+    if (!l->flow_valid)
+        l->model->flow(p, u, x, &l->flow);
+    l->flow_valid = true;
+}
 
 /* Books one piece, the whole segment e, over which the state went from x0 to x1. Returns the largest
  * contact force at its begin, middle and end, model units. Costs two evaluations of the model's flow, and
@@ -66,11 +88,7 @@ void ledger_weigh(struct ledger *l, double length);
 static inline double ledger_piece(struct ledger *l, const double *p, const struct segment *e,
                                   const double *x0, const double *x1)
 {
-    if (e->length != l->rule.length)
-        ledger_weigh(l, e->length);
-    if (!l->flow_valid)
-        l->model->flow(p, e->at[0], x0, &l->flow);
-    l->flow_valid = true;
+    ledger_begin(l, p, e, e->at[0], x0);
     return l->piece(l, p, e, x0, x1);
 }
 

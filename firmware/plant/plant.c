@@ -209,17 +209,16 @@ NEVER_INLINE double book_otherwise(struct plant *pl)
     return pl->books == BOOKS_NONE ? 0.0 : ledger_take(&pl->ledger, pl->method->books(pl->scratch));
 }
 
-ALWAYS_INLINE void book_energy(struct plant *pl, const struct segment *e, const double *x0)
+ALWAYS_INLINE void rise_to(double *peak, double force)
 {
-    double force = pl->books ? book_otherwise(pl) : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x);
-    if (force > pl->peak_force)
-        pl->peak_force = force;
+    if (force > *peak)
+        *peak = force;
 }
 
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
 {
-    book_energy(pl, e, x0);
+    rise_to(&pl->peak_force, pl->books ? book_otherwise(pl) : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x));
     pl->total_time += e->length;
     if (pl->regime == 0 && pl->model->n_contacts > 0)
         pl->loss_time += e->length;
@@ -248,22 +247,20 @@ static void take_switch(struct plant *pl, const struct crossing *c, double done_
 /* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is
  * outside. (Every model has two states, and most have no more: they stand before the loop, here and below.)
  */
-static bool inside(const struct plant *pl)
+static bool inside(const double *x, int n)
 {
-    double size = fabs(pl->x[0]) + fabs(pl->x[1]);
-    int n = pl->model->n_states;
+    double size = fabs(x[0]) + fabs(x[1]);
     for (int i = 2; i < n; i++)
-        size += fabs(pl->x[i]);
+        size += fabs(x[i]);
     return size <= PLANT_STATE_LIMIT;
 }
 
-static void copy_state(double *x, const struct plant *pl)
+static void copy_state(double *to, const double *x, int n)
 {
-    int n = pl->model->n_states;
-    x[0] = pl->x[0];
-    x[1] = pl->x[1];
+    to[0] = x[0];
+    to[1] = x[1];
     for (int i = 2; i < n; i++)
-        x[i] = pl->x[i];
+        to[i] = x[i];
 }
 
 /* The state and regime in which a segment began. */
@@ -297,10 +294,10 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
             take_switch(pl, c, done_ticks);
         else
             pl->counts.work++;
-        copy_state(x0, pl);
+        copy_state(x0, pl->x, pl->model->n_states);
         status =
             pl->step(pl->model, pl->p, pl->scratch, e, last ? (unsigned)REGIME_ANY : pl->regime, pl->x, c);
-        if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl))
+        if (status == STEP_NOT_FINITE || (last && status != STEP_END) || !inside(pl->x, pl->model->n_states))
             return give_up(pl, begin);
         if (piece > pl->counts.pieces_max)
             pl->counts.pieces_max = piece;
@@ -321,10 +318,10 @@ static bool integrate(struct plant *pl)
     struct segment *e = &pl->segment;
     struct crossing c = {0.0, 0, 0, 0.0};
     struct origin begin;
-    copy_state(begin.x, pl);
+    copy_state(begin.x, pl->x, pl->model->n_states);
     begin.regime = pl->regime;
     enum step_status status = pl->step(pl->model, pl->p, pl->scratch, e, pl->regime, pl->x, &c);
-    if (status == STEP_NOT_FINITE || !inside(pl))
+    if (status == STEP_NOT_FINITE || !inside(pl->x, pl->model->n_states))
         return give_up(pl, &begin);
     if (pl->counts.pieces_max == 0)
         pl->counts.pieces_max = 1;
@@ -441,61 +438,222 @@ NEVER_INLINE bool is_quiet(const struct plant *pl)
     return true;
 }
 
-/* The first of up to n quiet ticks begins; returns those until a phasor is due. Bit i of *turning: drive i
- * turns in each of them. */
-static uint32_t begin_quiet(struct plant *pl, uint32_t n, unsigned *turning)
+/* Quiet ticks under way. The books follow BLOCK_TOGETHER ticks behind, so that they do not stand between one
+ * step and the next. */
+struct quiet {
+    struct method_block b;
+    unsigned turning;      /* bit i: drive i turns; the others that sound stand */
+    uint64_t origin;       /* number of the block's first tick */
+    uint32_t done, booked; /* its ticks that are moved, and that the ledger has */
+    ledger_ticks_function *book;
+    enum step_status status; /* how the last single step ended */
+    struct crossing c;
+};
+
+/* The first of up to n quiet ticks begins; returns those until a phasor is due. Inputs that do not turn are
+ * filled in once. */
+static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
 {
     struct segment *e = &pl->segment;
-    unsigned drives = e->active;
-    e->length = pl->h;
-    *turning = 0;
-    for (int i = 0; drives != 0; i++, drives >>= 1) {
+    struct method_block *b = &q->b;
+    q->turning = q->done = q->booked = 0;
+    q->origin = pl->now.tick;
+    q->book = ledger_bind_ticks(pl->model);
+    e->instant = (pl->now.tick - 1) * TICK_FRACTIONS;
+    q->c = (struct crossing){0.0, 0, 0, 0.0};
+    b->length = e->length = pl->h;
+    b->active = e->active;
+    b->regime = pl->regime;
+    copy_state(b->x[0], pl->x, pl->model->n_states);
+    for (int i = 0; i < pl->model->n_inputs; i++) {
         struct drive *d = &pl->drive[i];
-        if (!(drives & 1u))
-            continue;
-        *turning |= (drive_stands(d) ? 0u : 1u) << i;
-        e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
-        if (d->resync_left < n)
-            n = d->resync_left;
+        if ((e->active >> i) & 1u) {
+            e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
+            if (d->resync_left < n)
+                n = d->resync_left;
+            q->turning |= (drive_stands(d) ? 0u : 1u) << i;
+        }
+    }
+    if (pl->books == BOOKS_OF_LEDGER)
+        ledger_begin(&pl->ledger, pl->p, e, e->at[2], pl->x);
+    uint32_t filled = n < BLOCK_TICKS ? n : BLOCK_TICKS;
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        b->at[0][i] = e->at[2][i];
+        b->phasor[0][i] = (struct phasor){pl->drive[i].cosine, pl->drive[i].sine};
+        for (uint32_t k = 1; k <= 2 * filled && !((q->turning >> i) & 1u); k++)
+            b->at[k][i] = e->at[2][i];
     }
     return n;
 }
 
-ALWAYS_INLINE void turn_drives(struct plant *pl, struct segment *e, unsigned drives)
+/* Ticks of the block from a certain one on: their states, inputs and phasors. */
+struct ticks {
+    double (*x)[MODEL_STATES];
+    struct input (*at)[MODEL_INPUTS];
+    struct phasor (*phasor)[MODEL_INPUTS];
+};
+
+ALWAYS_INLINE struct ticks ticks_from(struct method_block *b, uint32_t k)
 {
+    return (struct ticks){&b->x[k], &b->at[2 * k], &b->phasor[k]};
+}
+
+/* One tick by a single step, in pl->x, where the plant stands; turn: its inputs are to be filled in first.
+ * False if it is not a good one to its end. */
+ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, bool turn)
+{
+    struct segment *e = &pl->segment;
+    unsigned drives = q->turning;
+    int n = pl->model->n_states;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         if (!(drives & 1u))
             continue;
-        e->at[0][i] = e->at[2][i];
-        drive_turn(&pl->drive[i], &e->wave[i], &e->at[1][i], &e->at[2][i]);
+        struct wave *w = &e->wave[i];
+        w->cosine = t.phasor[0][i].cosine;
+        w->sine = t.phasor[0][i].sine;
+        if (turn)
+            drive_turn(&pl->drive[i], w, &t.at[0][i], &t.phasor[0][i], 1);
+        e->at[0][i] = t.at[0][i];
+        e->at[1][i] = t.at[1][i];
+        e->at[2][i] = t.at[2][i];
     }
+    e->instant += TICK_FRACTIONS;
+    q->status = pl->step(pl->model, pl->p, pl->scratch, e, q->b.regime, pl->x, &q->c);
+    if (q->status != STEP_END || !inside(pl->x, n))
+        return false;
+    copy_state(t.x[1], pl->x, n);
+    if (pl->books == BOOKS_OF_METHOD)
+        rise_to(&pl->peak_force, book_otherwise(pl));
+    return true;
 }
 
-/* Drives that stood for these ticks: a turn of theirs would have changed nothing else. */
-static void age_phasors(struct plant *pl, unsigned drives, uint32_t ticks)
+/* A tick before which pl->run stopped. */
+NEVER_INLINE bool step_suspect(struct plant *pl, struct quiet *q, struct ticks t)
 {
+    copy_state(pl->x, t.x[0], pl->model->n_states);
+    return step_tick(pl, q, t, false);
+}
+
+ALWAYS_INLINE struct ticks ticks_after(struct ticks t, uint32_t n)
+{
+    return (struct ticks){t.x + n, t.at + 2 * n, t.phasor + n};
+}
+
+/* `asked` ticks, at most BLOCK_TOGETHER; returns those that are good to their ends. */
+ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct ticks t, uint32_t asked)
+{
+    uint32_t done = 0;
+    unsigned drives = q->turning;
+    if (!pl->run) {
+        while (done < asked && step_tick(pl, q, ticks_after(t, done), true))
+            done++;
+        return done;
+    }
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         if (drives & 1u)
-            pl->drive[i].resync_left -= ticks;
+            drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], BLOCK_TOGETHER);
+    }
+    done = pl->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
+    pl->segment.instant += done * TICK_FRACTIONS;
+    while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
+        done++;
+    return done;
+}
+
+/* The ledger's books of n ticks, at most BLOCK_TOGETHER. */
+ALWAYS_INLINE void book_ticks(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
+{
+    if (pl->books == BOOKS_OF_LEDGER && n > 0)
+        rise_to(&pl->peak_force, q->book(&pl->ledger, pl->p, t.at, t.x, n));
+}
+
+/* Up to n ticks from q->done on, and the books of those before. False if one of them, behind q->done, is not
+ * a good one to its end. */
+static bool run_block(struct plant *pl, struct quiet *q, uint32_t n)
+{
+    struct ticks t = ticks_from(&q->b, q->done);
+    uint32_t to = q->done + n, asked, moved;
+    do {
+        asked = to - q->done < BLOCK_TOGETHER ? to - q->done : BLOCK_TOGETHER;
+        moved = move_ticks(pl, q, t, asked);
+        if (q->done > 0)
+            book_ticks(pl, q, (struct ticks){t.x - BLOCK_TOGETHER, t.at - 2 * BLOCK_TOGETHER, NULL},
+                       BLOCK_TOGETHER);
+        q->booked = q->done;
+        q->done += moved;
+        t = ticks_after(t, BLOCK_TOGETHER);
+    } while (moved == BLOCK_TOGETHER && q->done < to);
+    return moved == asked;
+}
+
+/* The block is full: the ticks that are not booked move to its begin. */
+static void move_block(struct quiet *q, int n_states, bool booked)
+{
+    enum { FROM = BLOCK_TICKS - BLOCK_TOGETHER };
+    struct method_block *b = &q->b;
+    unsigned drives = q->turning;
+    for (int k = booked ? BLOCK_TOGETHER : 0; k <= BLOCK_TOGETHER; k++)
+        copy_state(b->x[k], b->x[FROM + k], n_states);
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u))
+            continue;
+        UNROLL
+        for (int k = 1; k <= 2 * BLOCK_TOGETHER; k++)
+            b->at[k][i] = b->at[2 * FROM + k][i];
+        b->phasor[BLOCK_TOGETHER][i] = b->phasor[BLOCK_TICKS][i];
+    }
+    q->origin += FROM;
+    q->done = BLOCK_TOGETHER;
+}
+
+/* Time, inputs and phasors stand at the end of the block's tick k. */
+ALWAYS_INLINE void show_tick(struct plant *pl, const struct quiet *q, uint32_t k)
+{
+    unsigned drives = q->turning;
+    const struct input *at = q->b.at[2 * k];
+    const struct phasor *phasor = q->b.phasor[k];
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u))
+            continue;
+        pl->drive[i].cosine = phasor[i].cosine;
+        pl->drive[i].sine = phasor[i].sine;
+        pl->segment.at[2][i] = at[i];
+    }
+    pl->now.tick = q->origin + k;
+}
+
+/* Drives go on by so many ticks. */
+static void pass_drives(struct plant *pl, const struct quiet *q, uint32_t ticks)
+{
+    unsigned drives = q->b.active;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (drives & 1u)
+            drive_pass(&pl->drive[i], ticks);
     }
 }
 
-/* The model time of `done` ticks in this regime; the sums are those of so many single additions. */
-static void count_quiet(struct plant *pl, uint32_t done)
+/* Time goes on by so many ticks without a switch. */
+static void pass_ticks(struct plant *pl, const struct quiet *q, uint32_t ticks)
 {
     bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
-    for (uint32_t k = 0; k < done; k++)
+    pass_drives(pl, q, ticks);
+    /* the sums of so many single additions */
+    for (uint32_t k = 0; k < ticks; k++)
         pl->total_time += pl->h;
-    for (uint32_t k = 0; lost && k < done; k++)
+    for (uint32_t k = 0; lost && k < ticks; k++)
         pl->loss_time += pl->h;
 }
 
-/* The tick in which a contact switches, or that cannot be taken. */
-NEVER_INLINE bool end_quiet(struct plant *pl, const struct origin *begin, enum step_status status,
-                            struct crossing *c)
+/* The tick behind those that are done, in which a contact switches or that cannot be taken. */
+NEVER_INLINE bool end_quiet(struct plant *pl, struct quiet *q)
 {
-    bool finite = status != STEP_NOT_FINITE && inside(pl);
-    if (finite ? integrate_rest(pl, begin, status, c) : give_up(pl, begin)) {
+    struct origin begin = {.regime = pl->regime};
+    copy_state(begin.x, q->b.x[q->done], pl->model->n_states);
+    show_tick(pl, q, q->done + 1);
+    pl->now.tick--;
+    pass_drives(pl, q, 1);
+    bool finite = q->status != STEP_NOT_FINITE && inside(pl->x, pl->model->n_states);
+    if (finite ? integrate_rest(pl, &begin, q->status, &q->c) : give_up(pl, &begin)) {
         pl->now.tick++;
         return true;
     }
@@ -503,38 +661,48 @@ NEVER_INLINE bool end_quiet(struct plant *pl, const struct origin *begin, enum s
     return false;
 }
 
+/* look(who, pl) at the end of each tick of the block behind tick `from`. */
+static void look_at_ticks(struct plant *pl, const struct quiet *q, uint32_t from, plant_look *look, void *who)
+{
+    int n = pl->model->n_states;
+    double x[MODEL_STATES];
+    copy_state(x, pl->x, n);
+    for (uint32_t k = from + 1; k <= q->done; k++) {
+        show_tick(pl, q, k);
+        copy_state(pl->x, q->b.x[k], n);
+        look(who, pl);
+    }
+    copy_state(pl->x, x, n); /* a step that was no good may have gone on */
+}
+
 /* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and
  * segment do, without asking in each tick what does not change. */
 ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *who)
 {
-    struct segment *e = &pl->segment;
-    step_function *step = pl->step;
-    struct origin begin = {.regime = pl->regime};
-    struct crossing c = {0.0, 0, 0, 0.0};
-    enum step_status status = STEP_END;
-    uint32_t done = 0;
-    unsigned turning;
-    for (n = begin_quiet(pl, n, &turning); done < n; done++) {
-        e->instant = pl->now.tick * TICK_FRACTIONS;
-        turn_drives(pl, e, turning);
-        copy_state(begin.x, pl);
-        status = step(pl->model, pl->p, pl->scratch, e, begin.regime, pl->x, &c);
-        if (status != STEP_END || !inside(pl))
-            break;
-        book_energy(pl, e, begin.x);
-        pl->now.tick++;
+    struct quiet q;
+    bool good = true;
+    uint64_t begin = pl->now.tick;
+    n = begin_quiet(pl, n, &q);
+    for (uint32_t moved = 0; good && n > 0; n -= moved) {
+        if (q.done == BLOCK_TICKS)
+            move_block(&q, pl->model->n_states, pl->books != BOOKS_OF_LEDGER);
+        uint32_t from = q.done, room = BLOCK_TICKS - from;
+        good = run_block(pl, &q, n < room ? n : room);
+        moved = q.done - from;
         if (look)
-            look(who, pl);
+            look_at_ticks(pl, &q, from, look, who);
     }
-    age_phasors(pl, e->active & ~turning, done == n ? n : done + 1);
-    count_quiet(pl, done);
-    if (done == n)
+    book_ticks(pl, &q, ticks_from(&q.b, q.booked), q.done - q.booked);
+    show_tick(pl, &q, q.done);
+    pass_ticks(pl, &q, (uint32_t)(pl->now.tick - begin));
+    if (good) {
+        copy_state(pl->x, q.b.x[q.done], pl->model->n_states);
         return true;
-    if (!end_quiet(pl, &begin, status, &c))
-        return false;
-    if (look)
+    }
+    good = end_quiet(pl, &q);
+    if (good && look)
         look(who, pl);
-    return true;
+    return good;
 }
 
 /* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each. A

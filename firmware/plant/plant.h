@@ -29,8 +29,7 @@ enum {
     PLANT_STAGES = 4   /* actuators and sensors */
 };
 
-/* A state larger than this many model units (the contact's own length) is trouble, not motion. */
-#define PLANT_STATE_LIMIT 1e12
+#define PLANT_STATE_LIMIT METHOD_STATE_LIMIT
 
 /* An instant of plant time: tick + fraction/65536. */
 struct instant {
@@ -114,6 +113,7 @@ struct plant {
     const struct model *model;
     const struct method *method;
     step_function *step;
+    run_function *run; /* NULL: all ticks by `step` */
     double *scratch;
     const struct plant_stage_calls *stage_calls;
     struct stages *stages;
@@ -126,9 +126,9 @@ struct plant {
     double h, ticks_per_time; /* model time per tick, and its inverse */
     struct instant now;
     unsigned regime; /* bit i: contact i closed */
+    unsigned awake;  /* bit i: drive i may be non-zero: changed since it was last found silent */
     double x[MODEL_STATES];
     struct drive drive[MODEL_INPUTS];
-    unsigned awake;         /* bit i: drive i may be non-zero: changed since it was last found silent */
     struct segment segment; /* the current one */
     struct ledger ledger;
     double peak_force; /* since the last touchdown, model units */

@@ -71,6 +71,7 @@ static const char *prepare(struct plant *pl, const double *si)
 static void bind(struct plant *pl)
 {
     pl->step = pl->method->bind(pl->model);
+    pl->run = pl->method->bind_run ? pl->method->bind_run(pl->model) : NULL;
     if (pl->books != BOOKS_NONE)
         pl->books = pl->method->books && (pl->model->modal_form || !pl->model->rhs) ? BOOKS_OF_METHOD
                                                                                     : BOOKS_OF_LEDGER;

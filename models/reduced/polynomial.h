@@ -9,6 +9,7 @@
 #ifndef MODELS_POLYNOMIAL_H
 #define MODELS_POLYNOMIAL_H
 
+#include "models/lanes.h"
 #include "models/model.h"
 
 /* Prepared numbers of such a model. */
@@ -26,11 +27,6 @@ enum {
     POLYNOMIAL_EIGENFREQUENCY, /* sqrt(-C') there */
     POLYNOMIAL_NUMBERS
 };
-
-static inline double polynomial_at(const double *c, double x)
-{
-    return ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
-}
 
 /* Inlined into each shape: left alone, gcc would call them. */
 #define POLYNOMIAL_INLINE static inline __attribute__((always_inline))
@@ -50,80 +46,11 @@ struct polynomial_shape {
 /* Is input i the contact's stiffness? */
 #define POLYNOMIAL_STIFFNESS(s, i) ((s).degree == 3 && (i) == ((s).n_forces > 1 ? 3 : 1))
 
-/* C(x) */
-POLYNOMIAL_INLINE double polynomial_restore(struct polynomial_shape s, const double *p, double x)
-{
-    const double *c = &p[POLYNOMIAL_C];
-    return s.degree == 1 ? c[1] * x + c[0] : polynomial_at(c, x);
-}
-
-/* LOAD - LEVER x - C(x), the contact's part of C. A relative change of its stiffness scales it: M = -this. */
-POLYNOMIAL_INLINE double polynomial_contact(struct polynomial_shape s, const double *p, double x)
-{
-    double load = p[POLYNOMIAL_LOAD];
-    if (s.n_forces == 1)
-        load -= s.degree == 3 && s.n_inputs == 2 ? x : p[POLYNOMIAL_LEVER] * x;
-    return load - polynomial_restore(s, p, x);
-}
-
-/* M_i(x) u_i */
-POLYNOMIAL_INLINE double polynomial_product(struct polynomial_shape s, const double *p, const struct input *u,
-                                            int i, double x)
-{
-    const double *m = &p[POLYNOMIAL_M + 4 * i];
-    if (POLYNOMIAL_STIFFNESS(s, i))
-        return -(polynomial_contact(s, p, x) * u[i].value);
-    return (i < s.n_forces || s.degree == 1 ? m[0] : polynomial_at(m, x)) * u[i].value;
-}
-
-/* M_i(x) u_i + R_i u_i' */
-POLYNOMIAL_INLINE double polynomial_push(struct polynomial_shape s, const double *p, const struct input *u,
-                                         int i, double x)
-{
-    double product = polynomial_product(s, p, u, i, x);
-    return i < s.n_forces || POLYNOMIAL_STIFFNESS(s, i) ? product : product + p[POLYNOMIAL_R + i] * u[i].rate;
-}
-
-POLYNOMIAL_INLINE void polynomial_rhs(struct polynomial_shape s, const double *p, const struct input *u,
-                                      const double *x, double *x_dot)
-{
-    double force = polynomial_restore(s, p, x[0]) + polynomial_push(s, p, u, 0, x[0]);
-    if (s.n_inputs > 1)
-        force += polynomial_push(s, p, u, 1, x[0]);
-    if (s.n_inputs > 2 && !s.silent)
-        force += polynomial_push(s, p, u, 2, x[0]);
-    if (s.n_inputs > 2)
-        force += polynomial_push(s, p, u, 3, x[0]);
-    x_dot[0] = x[1];
-    x_dot[1] = force - p[POLYNOMIAL_DAMPING] * x[1];
-}
-
-/* The contact force, in units of force. */
-POLYNOMIAL_INLINE double polynomial_contact_force(struct polynomial_shape s, const double *p,
-                                                  const struct input *u, double x)
-{
-    double rest = polynomial_contact(s, p, x);
-    if (s.n_forces < s.n_inputs && !s.silent)
-        rest -= polynomial_product(s, p, u, s.n_forces, x);
-    if (s.n_forces + 1 < s.n_inputs)
-        rest -= polynomial_product(s, p, u, s.n_forces + 1, x);
-    return p[POLYNOMIAL_GAIN] * rest;
-}
-
-POLYNOMIAL_INLINE void polynomial_flow(struct polynomial_shape s, const double *p, const struct input *u,
-                                       const double *x, struct flow *f)
-{
-    polynomial_rhs(s, p, u, x, f->x_dot);
-    f->work[0] = x[1] * polynomial_push(s, p, u, 0, x[0]);
-    if (s.n_inputs > 1)
-        f->work[1] = x[1] * polynomial_push(s, p, u, 1, x[0]);
-    if (s.n_inputs > 2) {
-        f->work[2] = s.silent ? 0.0 : x[1] * polynomial_push(s, p, u, 2, x[0]);
-        f->work[3] = x[1] * polynomial_push(s, p, u, 3, x[0]);
-    }
-    f->damping = p[POLYNOMIAL_DAMPING] * x[1] * x[1];
-    f->force = polynomial_contact_force(s, p, u, x[0]);
-}
+#define real       double
+#define REAL(name) name
+#include "models/reduced/polynomial_text.h"
+#undef real
+#undef REAL
 
 /* rhs and flow of a shape: members of struct model that instances.h inlines, too. */
 #define POLYNOMIAL_KERNELS(name, ...)                                                                        \
@@ -137,18 +64,20 @@ POLYNOMIAL_INLINE void polynomial_flow(struct polynomial_shape s, const double *
     {                                                                                                        \
         polynomial_flow((struct polynomial_shape){__VA_ARGS__}, p, u, x, f);                                 \
     }
-POLYNOMIAL_KERNELS(linear_2, 1, 1, 2, false)
-POLYNOMIAL_KERNELS(linear_4, 1, 2, 4, false)
-POLYNOMIAL_KERNELS(cubic_2, 3, 1, 2, false)
-POLYNOMIAL_KERNELS(cubic_4, 3, 2, 4, false)
-/* For the first force alone, for both, and for both with the last input: the same bits without the silent
- * ones. */
-POLYNOMIAL_KERNELS(linear_force, 1, 1, 1, false)
-POLYNOMIAL_KERNELS(linear_forces, 1, 2, 2, false)
-POLYNOMIAL_KERNELS(cubic_force, 3, 1, 1, false)
-POLYNOMIAL_KERNELS(cubic_forces, 3, 2, 2, false)
-POLYNOMIAL_KERNELS(linear_last, 1, 2, 4, true)
-POLYNOMIAL_KERNELS(cubic_last, 3, 2, 4, true)
+/* The last six are for the first force alone, for both, and for both with the last input: the same bits
+ * without the silent ones. */
+#define POLYNOMIAL_SHAPES(X)                                                                                 \
+    X(linear_2, 1, 1, 2, false)                                                                              \
+    X(linear_4, 1, 2, 4, false)                                                                              \
+    X(cubic_2, 3, 1, 2, false)                                                                               \
+    X(cubic_4, 3, 2, 4, false)                                                                               \
+    X(linear_force, 1, 1, 1, false)                                                                          \
+    X(linear_forces, 1, 2, 2, false)                                                                         \
+    X(cubic_force, 3, 1, 1, false)                                                                           \
+    X(cubic_forces, 3, 2, 2, false)                                                                          \
+    X(linear_last, 1, 2, 4, true)                                                                            \
+    X(cubic_last, 3, 2, 4, true)
+POLYNOMIAL_SHAPES(POLYNOMIAL_KERNELS)
 
 /* For prepare, in this order. First all numbers: these three, the others 0. */
 void polynomial_begin(double *p, double damping, double load, double gain);

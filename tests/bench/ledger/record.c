@@ -86,11 +86,10 @@ static void stop(const char *why)
 
 /* After a tick: the series that began in it, if any. Where one ended or a short one served the whole tick,
  * the series before holds no longer. */
-static void note_series(void *who, const struct plant *pl)
+static void note_series(const struct plant *pl)
 {
     const struct taylor *t = (const struct taylor *)(const void *)scratch;
     double time = (double)pl->now.tick * pl->h, begin = time - t->now;
-    (void)who;
     if (pl->method != &taylor)
         return;
     bool new = t->count.time != seen.time, brief = t->count.brief != seen.brief;
@@ -158,8 +157,11 @@ const struct record *record_run(int scene, int ticks, bool exactly)
     now.piece = pieces;
     now.series = all_series;
     for (int i = 0; i < RECORD_PERIODS; i++) {
-        if (!plant_run_seen(&plant, (uint64_t)ticks, note_series, NULL))
-            stop("the motion has escaped");
+        for (int k = 0; k < ticks; k++) { /* tick by tick: each piece by itself */
+            if (!plant_run(&plant, 1))
+                stop("the motion has escaped");
+            note_series(&plant);
+        }
         now.period[i + 1] = now.n_pieces;
     }
     if ((plant.counts.switches > 0) != (s->method == &exact))

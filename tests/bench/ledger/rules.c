@@ -1,8 +1,7 @@
 /* rules.c - rules that see the powers at the ends of ticks; see rules.h. */
 #include "tests/bench/ledger/rules.h"
 
-#include "models/afm_tip.h"
-#include "models/hertz_rig.h"
+#include "models/flows.h"
 #include "models/shaft_bearing.h"
 
 #define RULE __attribute__((noinline))

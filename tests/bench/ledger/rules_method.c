@@ -4,8 +4,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "models/afm_tip.h"
-#include "models/hertz_rig.h"
+#include "models/flows.h"
 #include "models/shaft_bearing.h"
 
 #define RULE __attribute__((noinline))

@@ -198,11 +198,13 @@ TEST(selftest_stops)
 {
     struct method broken = rk4;
     broken.bind = dead;
+    broken.bind_run = NULL;
     struct selftest_result r = run_with(NULL, &broken);
     check_int("rk4 that stops at once: failed", r.failed, RK4_RIG | RK4_LINEAR | RK4_HASH);
     check_nan("  no error was measured", (double)r.error[1]);
     check_nan("  no error was measured", (double)r.error[4]);
     broken.bind = silent_bind;
+    broken.bind_run = NULL;
     check_int("that stops when a drive sounds: failed", run_with(NULL, &broken).failed,
               RK4_LINEAR | RK4_HASH);
 }
@@ -211,6 +213,7 @@ TEST(selftest_method)
 {
     struct method broken = rk4;
     broken.bind = drifting;
+    broken.bind_run = NULL;
     check_int("rk4 that drifts by 1e-6 a step: failed", run_with(NULL, &broken).failed,
               RK4_RIG | RK4_LINEAR | RK4_HASH);
     broken = exact;

@@ -165,6 +165,7 @@ static struct plant alone(const struct plant *pl, const struct method *method, d
     struct plant copy = *pl;
     copy.method = method;
     copy.step = method->bind(pl->model);
+    copy.run = NULL;
     copy.scratch = memory;
     method->prepare(pl->model, pl->p, pl->h, pl->tol, memory);
     return copy;

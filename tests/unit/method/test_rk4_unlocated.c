@@ -67,6 +67,7 @@ TEST(rk4_unlocated_bits)
     struct method run_through = rk4;
     static struct plant a, b, located;
     run_through.bind = bind_through;
+    run_through.bind_run = NULL;
     for (int i = 0; i < THROWN; i++) {
         int differ = 0, before = 0;
         start_thrown(&a, &thrown[i], &rk4_unlocated);

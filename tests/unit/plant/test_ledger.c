@@ -210,8 +210,10 @@ TEST(ledger_spoiled_method)
     for (int spoiled = 0; spoiled < 2; spoiled++) {
         struct plant pl;
         rig_start(&pl, paper, 0.01, 0.3, 0.0);
-        if (spoiled)
+        if (spoiled) {
             pl.step = spoiled_step;
+            pl.run = NULL;
+        }
         for (int i = 0; i < 10000; i++) {
             rig_run(&pl, 1);
             lost += spoiled ? 1e-6 * pl.x[1] * pl.x[1] : 0.0;

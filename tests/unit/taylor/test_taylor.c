@@ -49,6 +49,7 @@ static struct method fine_method(void)
 {
     struct method m = rk4;
     m.bind = fine_bind;
+    m.bind_run = NULL;
     m.refuse = fine_refuse;
     return m;
 }
