@@ -57,40 +57,60 @@ static void print_completion_names(void)
 static int cmd_completion(int argc, char **argv);
 static int cmd_version(int argc, char **argv);
 
+/* The groups of --help: each says what somebody wants. The subcommands stand in this order. */
+enum group { WANT_REPLACE, WANT_CONTROLLER, WANT_LOOK, WANT_MAPS, WANT_MICROSCOPE, WANT_EMBED, WANT_PRINT };
+static const char *const want[] = {
+    [WANT_REPLACE] = "replace a rig",
+    [WANT_CONTROLLER] = "test a controller",
+    [WANT_LOOK] = "look at what a plant does",
+    [WANT_MAPS] = "draw maps of a plant",
+    [WANT_MICROSCOPE] = "use the virtual microscope",
+    [WANT_EMBED] = "put a plant into other programs",
+    [WANT_PRINT] = "print what there is",
+};
+
 static const struct command {
+    enum group group;
     const char *name, *meaning;
     int (*run)(int argc, char **argv);
 } command[] = {
-    {"run", "run a plant in real time on a bus", cmd_run},
-    {"demo", "show plant and controller for ten seconds, and draw a picture", cmd_demo},
-    {"send", "send commands to a plant and print its answers", cmd_send},
-    {"monitor", "print the messages of a plant, by name and unit", cmd_monitor},
-    {"scope", "show plants in a browser while they run", cmd_scope},
-    {"control", "run a controller that keeps contact: an example to copy", cmd_control},
-    {"test", "test a controller: run the cases of a test file and judge them", cmd_test},
-    {"simulate", "run a plant offline, as fast as possible, and write a CSV", cmd_simulate},
-    {"approach", "move the base of an AFM lever to the sample and back: a force curve", cmd_approach},
-    {"scan", "scan a surface with a virtual AFM: images of trace and retrace", cmd_scan},
-    {"thermal", "hear the heat of an AFM lever: spectrum, fit, calibrated stiffness", cmd_thermal},
-    {"choose", "find the cheapest model, method and step that keep a scene's tolerance", cmd_choose},
-    {"sweep", "draw response curves: step a number of a scene up and down, and locate jumps", cmd_sweep},
-    {"basin", "find the attractors of a plant, and the share of starts that lead to each", cmd_basin},
-    {"stability",
+    {WANT_REPLACE, "scene", "print a scene as a file to edit, or check a file", cmd_scene},
+    {WANT_REPLACE, "choose", "find the cheapest model, method and step that keep a scene's tolerance",
+     cmd_choose},
+    {WANT_REPLACE, "run", "run a plant in real time on a bus", cmd_run},
+    {WANT_REPLACE, "simulate", "run a plant offline, as fast as possible, and write a CSV", cmd_simulate},
+    {WANT_CONTROLLER, "test", "test a controller: run the cases of a test file and judge them", cmd_test},
+    {WANT_CONTROLLER, "control", "run a controller that keeps contact: an example to copy", cmd_control},
+    {WANT_CONTROLLER, "send", "send commands to a plant and print its answers", cmd_send},
+    {WANT_CONTROLLER, "replay", "run a recorded log through the plant and compare every byte of its messages",
+     cmd_replay},
+    {WANT_LOOK, "demo", "show plant and controller for ten seconds, and draw a picture", cmd_demo},
+    {WANT_LOOK, "scope", "show plants in a browser while they run", cmd_scope},
+    {WANT_LOOK, "monitor", "print the messages of a plant, by name and unit", cmd_monitor},
+    {WANT_LOOK, "decode", "print a recorded log as a table, in SI units", cmd_decode},
+    {WANT_LOOK, "compare", "tell where two recorded logs part", cmd_compare},
+    {WANT_MAPS, "sweep", "draw response curves: step a number of a scene up and down, and locate jumps",
+     cmd_sweep},
+    {WANT_MAPS, "basin", "find the attractors of a plant, and the share of starts that lead to each",
+     cmd_basin},
+    {WANT_MAPS, "stability",
      "map over two numbers where plant and method are stable: Floquet tongues, energy, contact switches",
      cmd_stability},
-    {"random", "compute statistics under noise: densities, crossing rates, contact loss, beside closed forms",
+    {WANT_MAPS, "random",
+     "compute statistics under noise: densities, crossing rates, contact loss, beside closed forms",
      cmd_random},
-    {"replay", "run a recorded log through the plant and compare every byte of its messages", cmd_replay},
-    {"decode", "print a recorded log as a table, in SI units", cmd_decode},
-    {"compare", "tell where two recorded logs part", cmd_compare},
-    {"selftest", "measure numbers whose exact value is known", cmd_selftest},
-    {"list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
-    {"scene", "print a scene as a file to edit, or check a file", cmd_scene},
-    {"dbc", "print the .dbc of a scene", cmd_dbc},
-    {"fmu", "write a scene as an FMU, for co-simulation by FMI 3.0", cmd_fmu},
-    {"man", "print the manual page", cmd_man},
-    {"completion", "print the completion of these words for bash", cmd_completion},
-    {"version", "print the version, the protocol and the library's ABI", cmd_version},
+    {WANT_MICROSCOPE, "scan", "scan a surface with a virtual AFM: images of trace and retrace", cmd_scan},
+    {WANT_MICROSCOPE, "approach", "move the base of an AFM lever to the sample and back: a force curve",
+     cmd_approach},
+    {WANT_MICROSCOPE, "thermal",
+     "measure the thermal motion of an AFM lever: spectrum, fit, calibrated stiffness", cmd_thermal},
+    {WANT_EMBED, "fmu", "write a scene as an FMU, for co-simulation by FMI 3.0", cmd_fmu},
+    {WANT_EMBED, "dbc", "print the .dbc of a scene", cmd_dbc},
+    {WANT_PRINT, "list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
+    {WANT_PRINT, "selftest", "measure numbers whose exact value is known", cmd_selftest},
+    {WANT_PRINT, "man", "print the manual page", cmd_man},
+    {WANT_PRINT, "completion", "print the completion of these words for bash", cmd_completion},
+    {WANT_PRINT, "version", "print the version, the protocol and the library's ABI", cmd_version},
 };
 
 enum { COMMANDS = sizeof command / sizeof command[0], NAME_SIZE = 32 };
@@ -102,8 +122,11 @@ static int help(void)
            "CAN or\n"
            "UDP.\n\n"
            "subcommands:\n");
-    for (int i = 0; i < COMMANDS; i++)
+    for (int i = 0; i < COMMANDS; i++) {
+        if (!i || command[i].group != command[i - 1].group)
+            printf("%s:\n", want[command[i].group]);
         printf("  %-10s %s\n", command[i].name, command[i].meaning);
+    }
     printf("\ncontactplant SUBCOMMAND --help explains each one, with examples. An output that is an input, "
            "or another\n"
            "output, is refused before anything is done.\n" PAGES "\n"

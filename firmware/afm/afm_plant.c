@@ -185,7 +185,7 @@ static const int side[] = {-1};
 
 const struct model afm_plant = {
     .name = "microscope",
-    .title = "a whole AFM: lever, sample, lock-ins, loops, raster and approach (docs/guide/afm.md)",
+    .title = "a whole AFM: lever, sample, lock-ins, loops, raster and approach (docs/guide/afm_bus.md)",
     .n_states = AFM_PLANT_OUTPUTS,
     .n_inputs = AFM_PLANT_INPUTS,
     .n_outputs = AFM_PLANT_OUTPUTS,

@@ -28,11 +28,12 @@ static const struct option thermal_options[] = {
 static const struct usage thermal_usage = {
     .name = "thermal",
     .words = "[SCENE]",
-    .summary = "Listens to the heat of a free AFM lever: density by Welch's method, the resonance fitted to "
-               "it, and\n"
-               "the stiffness by equipartition, with the factor of the beam and its sensor of slope (Butt & "
-               "Jaschke\n"
-               "1995).",
+    .summary =
+        "Measures the thermal motion of a free AFM lever: density by Welch's method, the resonance fitted to "
+        "it, and\n"
+        "the stiffness by equipartition, with the factor of the beam and its sensor of slope (Butt & "
+        "Jaschke\n"
+        "1995).",
     .words_help =
         "SCENE is tapping, soft, stiff or a scene file of afm_lever; without SCENE it is tapping.\n",
     .examples = "  contactplant thermal --out heat.csv --svg heat.svg\n"

@@ -72,7 +72,7 @@ done
 cmp -s "$prefix/share/contactplant/contactplant.dbc" docs/reference/contactplant.dbc
 verdict $? "the .dbc is the one of the docs"
 missing=
-for command in $("$build/contactplant" --help | awk '/^subcommands:/ {on = 1; next} /^$/ {on = 0} on {print $1}'); do
+for command in $("$build/contactplant" --help | awk '/^subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  / {print $1}'); do
     grep -q "^.SS contactplant $command" "$prefix/share/man/man1/contactplant.1" || missing="$missing $command"
 done
 equal "subcommands without a section in the manual page" "$missing" ""
