@@ -181,13 +181,14 @@ COUNTS := host_sim/choose/choose_counts.h
 costs: $(BUILD)/costs ## the instruction counts of contactplant choose, from tests/data
 	@$(BUILD)/costs >$(BUILD)/counts.h && cp $(BUILD)/counts.h $(COUNTS)
 
-check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English
+check: $(CORE) $(BUILD)/sizes $(BUILD)/costs $(call obj,$(HAL_SRC) $(HOST_SRC)) ## format, layers, circles, symbols, sizes, generated counts, pages, plain English, words
 	@status=0; tests/house/check_format.sh || status=1; tests/house/check_layers.sh || status=1; $(PYTHON) tests/house/check_rooms.py || status=1; \
 	tests/house/check_circles.sh nm $(CORE) $(call obj,$(HAL_SRC)) $(call obj,$(filter-out %_avx2.c,$(HOST_SRC))) || status=1; \
 	tests/house/check_symbols.sh nm $(CORE) || status=1; tests/house/check_sizes.sh $(BUILD) || status=1; \
 	if $(BUILD)/costs | cmp -s - $(COUNTS); then echo "ok    $(COUNTS) is what tests/data gives"; \
 	else echo "FAIL  $(COUNTS) is not what tests/data gives: run make costs"; status=1; fi; \
-	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; exit $$status
+	$(PYTHON) tests/house/check_pages.py || status=1; $(PYTHON) tests/house/check_language.py || status=1; \
+	$(PYTHON) tests/house/check_words.py || status=1; exit $$status
 
 SHORTS ?= bench charts papers maps fuzz soak bench-flood bench-lockstep bench-plants bench-scope
 short: ## bench, bench-flood, bench-lockstep, bench-plants, bench-scope, charts, papers, maps, fuzz and soak in a short form, checked (a minute)
