@@ -4,16 +4,9 @@
 #include <math.h>
 #include "models/math/elementary.h"
 
-enum { UNKNOWNS = 1 + 2 * LOCKIN_TONES };
-
 static const double told = 0.499;  /* share of a tone's power that must be left, less rounding */
 static const double spent = 1e-4;  /* share of a tone's power below which nothing is left to take out */
 static const double nearly = 1e-4; /* periods a window: there a kernel is taken for its limit */
-
-/* The normal equations, upper triangle; column UNKNOWNS is the right side. */
-struct normal {
-    double g[UNKNOWNS][UNKNOWNS + 1];
-};
 
 /* sin(n x) / sin(x), or its limit where that is 0/0. */
 static double dirichlet(double n, double sine_n, double cosine_n, double sine, double cosine)
@@ -39,8 +32,8 @@ static struct lockin_sum window_sum(const struct lockin_window *w, double rate, 
 }
 
 /* Products of the tones in rows and columns 1 + 2 i and 1 + 2 j on: cosine and sine of each. */
-static void add_pair(struct normal *q, const struct lockin_window *w, const struct lockin_tone *tone, int i,
-                     int j)
+static void add_pair(struct lockin_normal *q, const struct lockin_window *w, const struct lockin_tone *tone,
+                     int i, int j)
 {
     struct lockin_sum up = window_sum(w, tone[i].rate + tone[j].rate, tone[i].phase + tone[j].phase),
                       down = {w->weight, 0.0};
@@ -53,24 +46,24 @@ static void add_pair(struct normal *q, const struct lockin_window *w, const stru
     sine[1] = 0.5 * (down.re - up.re);
 }
 
-static void set_up(struct normal *q, const struct lockin_window *w, const struct lockin_tone *tone, int n,
-                   double mean)
+static void set_up(struct lockin_normal *q, const struct lockin_window *w, const struct lockin_tone *tone,
+                   int n, double mean)
 {
     q->g[0][0] = w->weight;
-    q->g[0][UNKNOWNS] = mean;
+    q->g[0][LOCKIN_UNKNOWNS] = mean;
     for (int j = 0; j < n; j++) {
         struct lockin_sum alone = window_sum(w, tone[j].rate, tone[j].phase);
         q->g[0][1 + 2 * j] = alone.re;
         q->g[0][2 + 2 * j] = alone.im;
-        q->g[1 + 2 * j][UNKNOWNS] = tone[j].sum.re;
-        q->g[2 + 2 * j][UNKNOWNS] = -tone[j].sum.im;
+        q->g[1 + 2 * j][LOCKIN_UNKNOWNS] = tone[j].sum.re;
+        q->g[2 + 2 * j][LOCKIN_UNKNOWNS] = -tone[j].sum.im;
         for (int i = 0; i <= j; i++)
             add_pair(q, w, tone, i, j);
     }
 }
 
 /* Takes unknown k out of the equations behind it, up to `end`. One of which nothing is left stays in. */
-static void eliminate(struct normal *q, int k, int end, double least)
+static void eliminate(struct lockin_normal *q, int k, int end, double least)
 {
     const double *pivot = q->g[k];
     if (!(pivot[k] > least))
@@ -79,7 +72,7 @@ static void eliminate(struct normal *q, int k, int end, double least)
         double share = pivot[i] / pivot[k];
         for (int j = i; j < end; j++)
             q->g[i][j] -= share * pivot[j];
-        q->g[i][UNKNOWNS] -= share * pivot[UNKNOWNS];
+        q->g[i][LOCKIN_UNKNOWNS] -= share * pivot[LOCKIN_UNKNOWNS];
     }
 }
 
@@ -95,20 +88,27 @@ bool lockin_equal(const struct lockin_window *w, const struct lockin_tone *a, co
     return (d < mirrored ? d : mirrored) * w->n_ticks < LOCKIN_EQUAL;
 }
 
+double lockin_solve(struct lockin_normal *q, int n, double weight, struct lockin_sum *z)
+{
+    int last = 2 * n - 1;
+    for (int k = 0; k < last; k++)
+        eliminate(q, k, last + 2, 0.5 * spent * weight);
+    double cc = q->g[last][last], cs = q->g[last][last + 1], ss = q->g[last + 1][last + 1];
+    double x = q->g[last][LOCKIN_UNKNOWNS], y = q->g[last + 1][LOCKIN_UNKNOWNS], half = 0.5 * (cc - ss);
+    double left = 0.5 * (cc + ss) - sqrt(half * half + cs * cs), determinant = cc * ss - cs * cs;
+    if (left > 0.0)
+        *z = (struct lockin_sum){(ss * x - cs * y) / determinant, -(cc * y - cs * x) / determinant};
+    return left;
+}
+
 enum lockin_verdict lockin_fit(const struct lockin_window *w, const struct lockin_tone *tone, int n,
                                double mean, struct lockin_sum *z)
 {
-    struct normal q;
-    int last = 2 * n - 1;
+    struct lockin_normal q;
+    struct lockin_sum found = {0.0, 0.0};
     set_up(&q, w, tone, n, mean);
-    for (int k = 0; k < last; k++)
-        eliminate(&q, k, last + 2, 0.5 * spent * w->weight);
-    double cc = q.g[last][last], cs = q.g[last][last + 1], ss = q.g[last + 1][last + 1];
-    double x = q.g[last][UNKNOWNS], y = q.g[last + 1][UNKNOWNS], half = 0.5 * (cc - ss);
-    double left = 0.5 * (cc + ss) - sqrt(half * half + cs * cs), determinant = cc * ss - cs * cs;
-    if (!(left > 0.5 * told * w->weight))
+    if (!(lockin_solve(&q, n, w->weight, &found) > 0.5 * told * w->weight))
         return apart(tone[n - 1].rate) * w->n_ticks < 1.0 ? LOCKIN_SHORT : LOCKIN_CLOSE;
-    z->re = (ss * x - cs * y) / determinant;
-    z->im = -(cc * y - cs * x) / determinant;
+    *z = found;
     return LOCKIN_TOLD;
 }

@@ -16,7 +16,13 @@
 #include "firmware/observe/lockin.h"
 #include "models/model.h"
 
-enum { LOCKIN_TONES = MODEL_INPUTS + 1 };
+enum { LOCKIN_TONES = MODEL_INPUTS + 1, LOCKIN_UNKNOWNS = 1 + 2 * LOCKIN_TONES };
+
+/* Normal equations of a mean and tones, upper triangle: the mean, then cosine and sine of each tone. Column
+ * LOCKIN_UNKNOWNS is the right side, sums of the output times each. */
+struct lockin_normal {
+    double g[LOCKIN_UNKNOWNS][LOCKIN_UNKNOWNS + 1];
+};
 
 /* Tones whose beat is longer than a thousand windows are one tone: together they have one amplitude. */
 #define LOCKIN_EQUAL 1e-3
@@ -35,6 +41,10 @@ enum lockin_verdict {
 
 /* True where the beat of two tones takes more than a thousand windows. */
 bool lockin_equal(const struct lockin_window *w, const struct lockin_tone *a, const struct lockin_tone *b);
+
+/* Takes mean and other tones out of the last of n. Returns the power of it that is left, 0 to weight / 2;
+ * there *z is that of the tone if it is above 0. weight: g[0][0]. A row of zeros is no tone. */
+double lockin_solve(struct lockin_normal *q, int n, double weight, struct lockin_sum *z);
 
 /* Fits a finished window: n tones, 1 to LOCKIN_TONES, none equal to the last one. mean: sum w y of the
  * output, less the same constant. *z is that of the last tone: output ~ Re(z exp(i theta)); it is written

@@ -89,16 +89,21 @@ static bool has_sums(enum metric_kind k)
     return k != METRIC_MIN && k != METRIC_MAX && k != METRIC_CHANGE;
 }
 
+bool measurement_is_tone(const struct measurement *m)
+{
+    return is_fit(m->set.kind);
+}
+
 bool measurement_reads(const struct measurement *m)
 {
     return is(m, OF_SIGNAL) || is(m, OF_TARGET);
 }
 
-static void add_value(struct measurement *m, double x, uint64_t tick)
+static void add_value(struct measurement *m, double x, uint64_t tick, const struct fit_drive *drive)
 {
     if (is_fit(m->set.kind))
         fit_add(&m->fit, ((double)(tick - m->from) + 0.5) / ((double)(m->to - m->from) + 1.0),
-                turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x);
+                turns_of(m->set.frequency_Hz * ((double)tick * m->tick_s)), x, drive);
     if (has_sums(m->set.kind))
         add_sums(m, x, tick);
     add_extreme(m, x, tick);
@@ -116,7 +121,8 @@ static int count_between(const struct metric_sums *s, const double *x, int n)
     return i;
 }
 
-void measurement_ticks(struct measurement *m, uint64_t first, int n, const double *value)
+void measurement_ticks(struct measurement *m, uint64_t first, int n, const double *value,
+                       const struct fit_drive (*drive)[MODEL_INPUTS])
 {
     int begin = first < m->from ? (int)fmin((double)n, (double)(m->from - first)) : 0;
     if (first > m->to)
@@ -127,14 +133,14 @@ void measurement_ticks(struct measurement *m, uint64_t first, int n, const doubl
         m->sum.n += (uint64_t)between;
         i += between;
         if (i < n && !isnan(value[i]))
-            add_value(m, value[i], first + (uint64_t)i);
+            add_value(m, value[i], first + (uint64_t)i, drive ? drive[i] : NULL);
     }
 }
 
 void measurement_tick(struct measurement *m, uint64_t tick, const double *value)
 {
     if (measurement_reads(m))
-        measurement_ticks(m, tick, 1, &value[m->set.signal]);
+        measurement_ticks(m, tick, 1, &value[m->set.signal], NULL);
 }
 
 void measurement_begin(struct measurement *m, const struct metric_setting *s, double tick_s, bool all_open)
@@ -252,9 +258,12 @@ static struct metric_value contact_value(struct measurement *m, double now)
 static struct metric_value fit_value(const struct measurement *m)
 {
     double amplitude, phase_deg;
-    struct metric_value v = {.known = false, .note = "its window holds no period of lockin"};
-    if (!fit_solve(&m->fit, &amplitude, &phase_deg))
-        return v;
+    enum lockin_verdict verdict = fit_solve(&m->fit, m->set.frequency_Hz * m->tick_s,
+                                            (double)(m->to - m->from), &amplitude, &phase_deg);
+    if (verdict == LOCKIN_SHORT)
+        return (struct metric_value){.note = "its window holds no period of lockin"};
+    if (verdict == LOCKIN_CLOSE)
+        return (struct metric_value){.note = "another drive is too near lockin"};
     return at(m->set.kind == METRIC_AMPLITUDE ? amplitude : phase_deg, m->sum.last_s);
 }
 

@@ -130,6 +130,15 @@ static bool has_units(const struct metric_block *b, const struct plant *pl)
            b->scale.time_s == pl->scale.time_s && b->scale.force_N == pl->scale.force_N;
 }
 
+NEVER_INLINE void read_drives(struct fit_drive *to, const struct plant *pl)
+{
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        const struct drive *d = &pl->drive[i];
+        bool sounds = d->amplitude != 0.0 || d->ramp_left > 0;
+        to[i] = (struct fit_drive){d->carrier + d->offset, sounds ? drive_turns_per_tick(d) : 0.0};
+    }
+}
+
 bool metric_block_add(struct metric_block *b, const struct plant *pl)
 {
     int row = b->n++;
@@ -144,6 +153,8 @@ bool metric_block_add(struct metric_block *b, const struct plant *pl)
             b->frequency[k] = watch_read(pl, frequency[k]);
     for (const struct metric_source *s = b->source, *end = s + b->n_signals; s < end; s++)
         s->value[row] = *s->now * s->unit;
+    if (b->tones)
+        read_drives(b->drive[row], pl);
     return row + 1 == METRIC_TICKS;
 }
 

@@ -134,6 +134,8 @@ struct metric_block {
         int signal;
     } source[METRIC_SIGNALS];
     double value[METRIC_SIGNALS][METRIC_TICKS]; /* by signal */
+    bool tones;                                 /* the drives are read, too */
+    struct fit_drive drive[METRIC_TICKS][MODEL_INPUTS];
 };
 
 /* An empty block, for the signals of this plant whose bits are set in `which`. Neither may be moved then. */
@@ -154,8 +156,13 @@ void measurement_begin(struct measurement *m, const struct metric_setting *s, do
 /* Whether ticks tell it anything. */
 bool measurement_reads(const struct measurement *m);
 
-/* The values of its signal at the ends of n ticks, tick 0 among them; NaN for what was not seen. */
-void measurement_ticks(struct measurement *m, uint64_t first, int n, const double *value);
+/* Whether it tells a tone, which wants to know the drives. */
+bool measurement_is_tone(const struct measurement *m);
+
+/* The values of its signal at the ends of n ticks, tick 0 among them; NaN for what was not seen. drive: the
+ * drives then, or NULL. */
+void measurement_ticks(struct measurement *m, uint64_t first, int n, const double *value,
+                       const struct fit_drive (*drive)[MODEL_INPUTS]);
 
 /* One tick; value[METRIC_SIGNALS], of all signals. */
 void measurement_tick(struct measurement *m, uint64_t tick, const double *value);

@@ -617,6 +617,9 @@ refuses 2 "not of this run" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" 
 is "a chaotic sweep: status" $? 0
 has "what did not settle is said" "$dir/err" "not settled: 6 points; no jump looked for between freq_hz = 24 and 26"
 is "and stands in the rows" "$(grep -c ",unsettled," "$dir/out")" 6
+"$program" sweep rig --set damping=0 --sweep force.frequency=200:230:2 --settle 3 --out "$dir/unsettled.csv" >"$dir/out" 2>/dev/null
+has "the summary knows no jump where nothing settled" "$dir/out" "no jump was found where points settled"
+has "  and says that its largest amplitude did not settle" "$dir/out" "largest .* at 230 Hz, which did not settle"
 refuses 2 "write for instance" sweep rig --harmonics 1x
 refuses 2 "times the reference" sweep rig --harmonics 17
 refuses 2 "multiple of 4" sweep rig --harmonics 1/2 --measure 6

@@ -147,6 +147,17 @@ def test_little():
     verdict("a bad link is untested, with the reason", found and found[3]["verdict"] == "untested" and "run the plant with --faults" in found[3]["error"], r.stdout)
 
 
+def test_beyond():
+    """Values that the bus could not say: expectations whose window holds one are untested, with the reason; others are judged."""
+    case = "[case far]\nover = 0.9 s\nat 0.4 s arm force amplitude=20 kN frequency=225 Hz\n" + LATE
+    case += "".join("expect %s\n" % x for x in ("displacement.max >= 0 m", "velocity.rms >= 0 m/s", "peak_force >= 0 N", "impact_speed >= 0 m/s")) + "expect displacement.max <= 8 um to 0.3 s\n"
+    r, found = real("far.test", KEEP + case)
+    outcomes = found[0]["expects"][1:6] if found else []
+    verdict("beyond the bus's range: untested, and no number", [(o["verdict"], o["found"], o["value"]) for o in outcomes[:4]] ==
+            [("untested", "not judged: a value was beyond the bus's range", None)] * 4, r.stdout + r.stderr + repr(outcomes))
+    verdict("  a window before it is judged", outcomes and outcomes[4]["verdict"] == "ok", r.stdout)
+
+
 def test_golden():
     case = "[case hums]\nover = 0.9 s\nmass = 6.5 kg\nat 0.3 s arm force amplitude=2 N frequency=20 Hz\n" + LATE
     test("golden.test", IDLE + case + "expect faults == 0\n", "--log", directory)
@@ -184,6 +195,7 @@ with tempfile.TemporaryDirectory() as directory:
     verdict("the log of a run decodes", decoded.stdout.count("\n") > 0.5 * float(rate), decoded.stdout[:300] + decoded.stderr)
     if bus == "udp":
         test_golden()  # before the plant has values that this file does not name
+        test_beyond()
         test_little()
         test_errors()
     if plant:

@@ -391,6 +391,20 @@ def test_response():
     near("mean: at rest", found["displacement.mean"]["value"], REST, 1e-6)
 
 
+def test_response_beside():
+    """The response to one drive beside another one that is twenty times as strong, in a window of 1.7 beats; it is
+    not told in one of half a beat."""
+    omega = 2 * math.pi * 43.7
+    h = 2.0 / complex(SPRING - MASS * omega ** 2, DAMPING * omega)
+    cases = ("[case a]\nover = 2.6 s\nat 0 s arm force amplitude=2 N frequency=43.7 Hz\nat 0.1 s arm fast_force amplitude=40 N frequency=51 Hz\n"
+             "lockin = 43.7 Hz\nexpect displacement.amplitude >= 0 m from 2.3 s to 2.54 s\nexpect displacement.phase >= -180 deg from 2.3 s to 2.54 s\n")
+    found, _ = values(file_of("idle", cases, scene="hertz_rig_linear"))
+    near("amplitude: transfer function", found["displacement.amplitude"]["value"], abs(h), 1e-4)
+    near("phase, deg", found["displacement.phase"]["value"] + 360, math.degrees(math.atan2(h.imag, h.real)) + 360, 1e-5)
+    found, case = values(file_of("idle", cases.replace("2.54 s", "2.37 s"), scene="hertz_rig_linear"))
+    verdict("half a beat tells nothing", case[0]["verdict"] == "untested" and found["displacement.amplitude"]["value"] is None, case)
+
+
 def test_counters():
     """Those of the controller: this many frames from its bug on."""
     cases = "[case a]\nover = 1 s\nat 0.1 s arm force amplitude=1 N frequency=200 Hz\n" + "".join("expect %s >= 0\n" % x for x in ("refused", "late", "missed", "lost", "malformed", "timeouts", "faults", "watch"))
@@ -624,6 +638,6 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_counters, test_counts, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_response_beside, test_counters, test_counts, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
         part()
 conclude()

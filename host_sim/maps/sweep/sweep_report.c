@@ -126,7 +126,10 @@ static void put_words(struct report *p)
     html_words(&p->h, "%s by method %s: %s from %.9g to %.9g in %d points, up and down.",
                s->m.scene.model->name, s->m.method->name, s->range.column, s->range.from, s->range.to,
                s->range.n);
-    html_words(&p->h, jumps ? "Jumps located by bisection: %d." : "No jump was found.", jumps);
+    if (jumps)
+        html_words(&p->h, "Jumps located by bisection: %d.", jumps);
+    else
+        html_words(&p->h, loose ? "No jump was found where points settled." : "No jump was found.");
     if (loose)
         html_words(&p->h, "%d points did not settle.", loose);
     if (escaped)

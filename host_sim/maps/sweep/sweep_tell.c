@@ -80,12 +80,14 @@ static void tell(const void *context, const struct rows_table *t, FILE *f)
             maps_in_words(s->range.from, s->range.unit, a), maps_in_words(s->range.to, s->range.unit, b),
             s->range.n);
     if (largest >= 0)
-        fprintf(f, "largest %s: %s at %s\n", name, maps_in_words(row[largest].measured.amplitude[0], unit, a),
-                maps_in_words(row[largest].value, s->range.unit, b));
+        fprintf(f, "largest %s: %s at %s%s\n", name,
+                maps_in_words(row[largest].measured.amplitude[0], unit, a),
+                maps_in_words(row[largest].value, s->range.unit, b),
+                row[largest].kind == SWEEP_UNSETTLED ? ", which did not settle" : "");
     if (jumps)
         fprintf(f, "%d %s located by bisection:\n", jumps, jumps == 1 ? "jump" : "jumps");
     else
-        fputs("no jump was found\n", f);
+        fputs(unsettled ? "no jump was found where points settled\n" : "no jump was found\n", f);
     for (int i = 0, n = 0; i < t->n && n < JUMPS_TOLD; i++)
         if (sweep_is_jump(row, i)) {
             tell_jump(s, t, row, i, f);
@@ -94,7 +96,7 @@ static void tell(const void *context, const struct rows_table *t, FILE *f)
     if (jumps > JUMPS_TOLD)
         fprintf(f, "  and %d more, in the rows jump_from and jump_to\n", jumps - JUMPS_TOLD);
     if (unsettled)
-        fprintf(f, "%d points did not settle\n", unsettled);
+        fprintf(f, "%d %s did not settle\n", unsettled, unsettled == 1 ? "point" : "points");
     if (escaped)
         fprintf(f, "the motion escaped at %d points\n", escaped);
 }

@@ -126,7 +126,8 @@ static void tell_block(struct bench_plant *p)
 {
     struct metric_block *b = &p->block;
     for (int k = 0; k < p->n_readers; k++)
-        measurement_ticks(p->reader[k], b->first, b->n, b->value[p->reader[k]->set.signal]);
+        measurement_ticks(p->reader[k], b->first, b->n, b->value[p->reader[k]->set.signal],
+                          b->tones ? b->drive : NULL);
     b->n = 0;
 }
 
@@ -153,6 +154,8 @@ static void begin_measurements(struct bench_plant *p, const struct trial_case *c
         return;
     }
     metric_block_begin(&p->block, pl, read);
+    for (int k = 0; k < p->n_readers; k++)
+        p->block.tones = p->block.tones || measurement_is_tone(p->reader[k]);
     (void)metric_block_add(&p->block, pl);
 }
 

@@ -14,7 +14,7 @@ static struct metric_value measure_ticks(const struct metric_setting *s, int n, 
     struct measurement m;
     struct metric_value v;
     measurement_begin(&m, s, TICK_S, false);
-    measurement_ticks(&m, 0, n, x);
+    measurement_ticks(&m, 0, n, x, NULL);
     measurement_end(&m, n * TICK_S, 0, &v);
     return v;
 }
