@@ -1,8 +1,8 @@
 /* log.c - records the traffic of another hal as a candump log; see log.h. */
 #include "hal/posix/log.h"
+#include "hal/posix/file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -251,10 +251,11 @@ const char *log_open(struct log *l, const char *path, const char *interface, con
         return l->reason;
     }
     memcpy(l->interface, interface, n);
-    l->file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    l->file = file_create(path);
     if (l->file >= 0)
         return NULL;
-    snprintf(l->reason, sizeof l->reason, "log: cannot write %s: %s", path, strerror(errno));
+    snprintf(l->reason, sizeof l->reason, "log: cannot write %s: %s", path,
+             errno == EBUSY ? "another process writes it" : strerror(errno));
     return l->reason;
 }
 

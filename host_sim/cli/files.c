@@ -1,5 +1,6 @@
 /* files.c - see files.h. */
 #include "host_sim/cli/files.h"
+#include "hal/posix/file.h"
 #include "models/check.h"
 
 #include <errno.h>
@@ -158,7 +159,7 @@ static int unwritable(const char *path)
     for (int i = 0; i < line.n_outputs; i++)
         makes_folder = makes_folder || line.output[i].folder;
     if (!stat(path, &s))
-        return S_ISDIR(s.st_mode) ? EISDIR : access(path, W_OK) ? errno : 0;
+        return S_ISDIR(s.st_mode) ? EISDIR : access(path, W_OK) ? errno : file_is_written(path) ? EBUSY : 0;
     if (errno != ENOENT)
         return errno;
     follow(path, at);
@@ -166,6 +167,11 @@ static int unwritable(const char *path)
     if (access(folder, W_OK | X_OK) && !(errno == ENOENT && makes_folder))
         return errno;
     return 0;
+}
+
+static const char *tell_reason(int error)
+{
+    return error == EBUSY ? "another process writes it" : strerror(error);
 }
 
 bool files_take(const char *option, const char *path, bool folder, char why[FILES_REASON])
@@ -181,7 +187,7 @@ bool files_take(const char *option, const char *path, bool folder, char why[FILE
                                            PATH_SHOWN, path, name);
     else if (reason)
         snprintf(why, FILES_REASON, "cannot write --%s %.*s: %s; choose another", option, PATH_SHOWN, path,
-                 strerror(reason));
+                 tell_reason(reason));
     if (other || reason)
         return false;
     ASSERT(line.n_outputs < OUTPUTS);
@@ -221,7 +227,7 @@ bool files_take_in(const char *folder, const char *name, char why[FILES_REASON])
                  PATH_SHOWN, path);
     else if (reason)
         snprintf(why, FILES_REASON, "cannot write %.*s: %s; choose another folder", PATH_SHOWN, path,
-                 strerror(reason));
+                 tell_reason(reason));
     return !o && !is_input(path) && !reason;
 }
 
@@ -257,7 +263,8 @@ static bool approve(const char *path)
 
 FILE *files_create(const char *path)
 {
-    return approve(path) ? fopen(path, "we") : NULL;
+    int file = approve(path) ? file_create(path) : -1;
+    return file >= 0 ? fdopen(file, "w") : NULL;
 }
 
 FILE *files_resume(const char *path)

@@ -6,7 +6,8 @@
  * written is opened here.
  *
  * A file is written where it is, never renamed over: a device or a pipe stays one, and a link stays a link.
- * Standard output and standard error are outputs of every line where they go into a file. */
+ * One that another process writes, as the log of a running plant, is refused. Standard output and standard
+ * error are outputs of every line where they go into a file. */
 #ifndef HOST_SIM_FILES_H
 #define HOST_SIM_FILES_H
 

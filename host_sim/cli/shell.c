@@ -4,6 +4,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
@@ -23,6 +24,13 @@ static size_t first_word(const char *line)
     return n ? n : i;
 }
 
+/* A folder, as that of the word ".", can be entered, but not run. */
+static bool can_run(const char *file)
+{
+    struct stat s;
+    return !stat(file, &s) && S_ISREG(s.st_mode) && access(file, X_OK) == 0;
+}
+
 static bool is_in_path(const char *word, size_t n)
 {
     char file[PATH_MAX];
@@ -30,7 +38,7 @@ static bool is_in_path(const char *word, size_t n)
     for (path = path ? path : ""; *path; path += strspn(path, ":")) {
         size_t length = strcspn(path, ":");
         snprintf(file, sizeof file, "%.*s/%.*s", (int)length, path, (int)n, word);
-        if (access(file, X_OK) == 0)
+        if (can_run(file))
             return true;
         path += length;
     }

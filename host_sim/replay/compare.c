@@ -44,14 +44,26 @@ struct side {
     struct decode_row row;
 };
 
-/* The next row with a tick of its own, which counts from `zero` then. */
+/* The next row with a tick of its own, which counts from `zero` then. Plant time may begin anew, at 0. */
 static void step(struct side *s)
 {
-    do
+    unsigned run = s->row.run;
+    do {
         s->got = decode_next(&s->log, &s->row);
-    while (s->got > 0 && s->row.tick <= s->last);
+        if (s->got > 0 && s->row.run != run)
+            s->zero = s->last = 0;
+        run = s->row.run;
+    } while (s->got > 0 && s->row.tick <= s->last);
     s->last = s->row.tick;
     s->row.tick -= s->zero;
+}
+
+/* Which row is of an earlier time: below 0 that of a, above 0 that of b, 0 neither. */
+static int order(const struct decode_row *a, const struct decode_row *b)
+{
+    if (a->run != b->run)
+        return a->run < b->run ? -1 : 1;
+    return (a->tick > b->tick) - (a->tick < b->tick);
 }
 
 static const char *name_of(const struct compare *c, int i)
@@ -85,17 +97,29 @@ static int outside(const struct compare *c, const struct decode_row *a, const st
     return -1;
 }
 
+/* A value that one log alone has: in which, and what. */
+static void tell_alone(const struct compare *c, const double *value, const char *unit, char *text)
+{
+    int has = isnan(value[0]);
+    snprintf(text, COMPARE_TEXT, "%.9g %s in %.80s alone, not known in %.80s", value[has], unit,
+             name_of(c, has), name_of(c, !has));
+}
+
 static enum compare_verdict tell_outside(const struct compare *c, int i, const struct decode_row *a,
                                          const struct decode_row *b, char *text)
 {
     const struct model *m = c->scene->config.model;
-    char name[DECODE_NAME];
+    const double value[2] = {a->value[i], b->value[i]}, apart = fabs(value[0] - value[1]);
+    const char *unit = decode_signal(m, i)->unit;
+    char name[DECODE_NAME], how[COMPARE_TEXT];
     decode_name(m, i, name);
-    snprintf(text, COMPARE_TEXT,
-             "they part at %.9g s of plant time (frame %llu): %s is %.9g and %.9g %s, apart by %.3g, %.3g "
-             "allowed",
-             a->t_s, (unsigned long long)a->frame, name, a->value[i], b->value[i], decode_signal(m, i)->unit,
-             fabs(a->value[i] - b->value[i]), c->tolerance[i]);
+    if (isnan(apart))
+        tell_alone(c, value, unit, how);
+    else
+        snprintf(how, sizeof how, "%.9g and %.9g %s, apart by %.3g, %.3g allowed", value[0], value[1], unit,
+                 apart, c->tolerance[i]);
+    snprintf(text, COMPARE_TEXT, "they part at %.9g s of plant time (frame %llu): %s is %.200s", a->t_s,
+             (unsigned long long)a->frame, name, how);
     return COMPARE_APART;
 }
 
@@ -108,22 +132,23 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
 {
     unsigned long long n = 0;
     while (goes_on(c, a) && goes_on(c, b)) {
-        if (a->row.tick == b->row.tick) {
+        int before = order(&a->row, &b->row);
+        if (!before) {
             int i = outside(c, &a->row, &b->row);
             if (i >= 0)
                 return tell_outside(c, i, &a->row, &b->row, text);
             n++;
         } else if (!c->gaps) {
             snprintf(text, COMPARE_TEXT,
-                     "row %llu is tick %llu in one and %llu in the other: not the same "
+                     "row %llu is tick %llu in one and %llu in the other%s: not the same "
                      "course of time",
-                     n + 1, (unsigned long long)a->row.tick, (unsigned long long)b->row.tick);
+                     n + 1, (unsigned long long)a->row.tick, (unsigned long long)b->row.tick,
+                     a->row.run != b->row.run ? ", where time begins anew in one alone" : "");
             return COMPARE_APART;
         }
-        bool step_a = a->row.tick <= b->row.tick, step_b = b->row.tick <= a->row.tick;
-        if (step_a)
+        if (before <= 0)
             step(a);
-        if (step_b)
+        if (before >= 0)
             step(b);
     }
     if (a->got < 0 || b->got < 0) {

@@ -138,12 +138,22 @@ static void begin_row(struct decode *d, uint64_t frame, uint64_t tick)
     memset(d->pair, 0, sizeof d->pair);
 }
 
-/* True where it completes a row. A plant that begins anew counts from 0 again. */
+enum { OVERTAKEN = 256 }; /* frames that a late SYNC may be behind the newest one */
+
+/* A plant that begins anew counts from 0 again. FRAME has 16 bits only, so after a long time TICK alone tells
+ * it. Another log behind the first one may begin anywhere. */
+static bool begins_anew(const struct decode *d, uint64_t frame, uint64_t tick)
+{
+    uint64_t back = frame < WIRE_COUNTER_STATES ? WIRE_COUNTER_STATES : OVERTAKEN;
+    return frame + back < d->row.frame || tick + OVERTAKEN * d->scene.substeps < d->row.tick;
+}
+
+/* True where it completes a row. */
 static bool hear_sync(struct decode *d, const struct message *m, struct decode_row *row)
 {
     uint64_t frame = extend(d->row.frame, m->value[SYNC_FRAME], 16);
     uint64_t tick = extend(d->row.tick, m->value[SYNC_TICK], 32);
-    bool complete = d->begun, anew = frame + WIRE_COUNTER_STATES < d->row.frame;
+    bool complete = d->begun, anew = begins_anew(d, frame, tick);
     if (anew) {
         frame = (uint64_t)m->value[SYNC_FRAME];
         memset(d->counter, 0, sizeof d->counter);
@@ -153,6 +163,7 @@ static bool hear_sync(struct decode *d, const struct message *m, struct decode_r
         return false;
     finish_row(d, missing, row);
     begin_row(d, frame, tick);
+    d->row.run += anew;
     return complete;
 }
 
@@ -259,6 +270,12 @@ int decode_next(struct decode *d, struct decode_row *row)
 void decode_tell(const struct decode *d, const char *command)
 {
     plant_log_tell(&d->log, command);
+    if (d->row.run)
+        fprintf(
+            stderr,
+            "contactplant %s: %s: plant time begins anew %u time%s; the plant was started again, or this is "
+            "more than one log\n",
+            command, d->log.reader.path, d->row.run, d->row.run == 1 ? "" : "s");
     decode_tell_missing(d, command, d->log.reader.path);
 }
 

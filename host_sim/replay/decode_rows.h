@@ -19,6 +19,7 @@ enum {
 
 struct decode_row {
     uint64_t frame, tick;         /* bus frame, low 16 bits extended; plant tick */
+    unsigned run;                 /* how often plant time began anew before it */
     double t_s;                   /* plant time */
     int state;                    /* as of the last STATUS; -1: none came yet */
     unsigned closed;              /* bit i: contact i is closed */

@@ -50,6 +50,7 @@ void log_report_row(struct log_report *p, const struct decode_row *row)
     bool silent = p->known && !row->contact_known && !row->due; /* nothing was to be said */
     if (first)
         p->first_s = row->t_s;
+    p->n_anew = row->run;
     if (first || (row->contact_known != p->known && !silent) ||
         (other && row->t_s > p->change[p->n_changes - 1].t_s)) {
         p->seen += other;
@@ -163,8 +164,14 @@ static void put_words(struct log_report *p, const struct scene_app *s, const str
         html_words(h, "No row of the plant is in the log.");
         return;
     }
-    html_words(h, "%s, %.9g s of plant time in %zu rows.", s->config.model->name,
-               p->rows.bins.last - p->first_s, p->rows.n);
+    if (p->n_anew)
+        html_words(h,
+                   "%s, %zu rows. Plant time begins anew %u time%s in them: the plant was started again, or "
+                   "this is more than one log. The charts lay all of them over each other.",
+                   s->config.model->name, p->rows.n, p->n_anew, p->n_anew == 1 ? "" : "s");
+    else
+        html_words(h, "%s, %.9g s of plant time in %zu rows.", s->config.model->name,
+                   p->rows.bins.last - p->first_s, p->rows.n);
     if (s->config.model->n_contacts)
         put_contacts(p, &s->app.scene, t);
     put_beyond(p, s, t);

@@ -29,6 +29,7 @@ struct log_report {
     struct log_series rows;
     struct decimate impacts;
     double first_s;  /* time of the first row */
+    unsigned n_anew; /* how often plant time began anew */
     double marker_s; /* a line there in each chart; NaN: none */
     struct decode_event told[LOG_SWITCHES_TOLD];
     struct log_most impact, peak; /* speeds of touchdowns, forces of lift-offs */

@@ -367,7 +367,7 @@ static bool lose(void *taker, int run, int status)
 {
     char why[TRIAL_REASON];
     bool killed = WIFSIGNALED(status);
-    (void)child_end_left();
+    (void)child_end_left(true);
     snprintf(why, sizeof why, "the bench's process of this case ended by %s %d (%s)%s",
              killed ? "signal" : "status", killed ? WTERMSIG(status) : WEXITSTATUS(status),
              killed ? strsignal(WTERMSIG(status)) : "no signal",
@@ -432,7 +432,7 @@ static int run_all(struct tests *t)
     t->begin_s = clock_now_s();
     child_adopt();
     bool whole = workers_run(&w, why);
-    (void)child_end_left();
+    (void)child_end_left(false);
     if (!whole) {
         options_failure(t->o->usage, "%s", why);
         book_rest(t, why);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """test_files.py PROGRAM - no output of a command line destroys one of its inputs, or another output. The options that write come from the
 help of all subcommands: FILE or DIR stands behind them. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+import fcntl
 import itertools
 import os
 import re
@@ -184,6 +185,32 @@ def test_writers(line):
         forget(["beside"])
 
 
+def test_taken():
+    """An output that another process writes, as the log of a running plant."""
+    with open("old", "w") as f:
+        f.write("of a running plant\n")
+    os.symlink("old", "soft.link")
+    before = content()
+    with open("old") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        for line, _, _ in LINES:
+            bad = []
+            for (name, kind), path in itertools.product(writers_of(line), ("old", "soft.link")):
+                r = run(*line, *give(companions(line, name) + [(name, path)])) if kind == "FILE" else None
+                good = not r or (r.returncode == 2 and "another process writes it" in r.stderr and r.stderr.count("\n") == 1 and content() == before)
+                bad.append("" if good else "--%s: %d %s" % (name, r.returncode, r.stderr))
+            verdict("%s: no output goes into a file that another process writes" % " ".join(line[:3]), not any(bad), next(filter(None, bad), ""))
+    with subprocess.Popen([program, "run", "s.ini", "--lockstep", "--bus", "memory:ring", "--log", "run2.log", "--patience", "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as p:
+        p.stderr.readline()
+        r = run("run", "s.ini", "--duration", "0.02", "--bus", "udp:127.0.0.1:%d" % port, "--log", "run2.log")
+        p.terminate()
+        p.communicate()
+    verdict("run --log of a running plant", r.returncode == 2 and "another process writes it" in r.stderr, r.stderr)
+    r = run("run", "s.ini", "--duration", "0.02", "--bus", "udp:127.0.0.1:%d" % port, "--log", "run2.log")
+    verdict("  which is free when that has ended", r.returncode == 0, r.stderr)
+    forget(["old", "soft.link", "run2.log"])
+
+
 def test_room():
     """Outputs that are made at the end are whole or as they were."""
     def limit():
@@ -247,6 +274,7 @@ with tempfile.TemporaryDirectory() as directory:
         test_outputs(line)
         if runs:
             test_writers(line)
+    test_taken()
     test_room()
     test_folders()
     os.chdir("/")

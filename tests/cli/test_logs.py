@@ -206,6 +206,28 @@ def test_missing(lines):
     equal("  a SYNC less: cells of another tick", [r["tick"] for r in rows if r["tick"] != "0" and any(r[k] not in ("", known[r["tick"]][k]) for k in PLACES)], [])
 
 
+def test_anew(lines):
+    print("--- plant time that begins anew", flush=True)
+    twice = lines + lines
+    plain = decode(lines)[0]
+    rows, told, status = decode(twice)
+    equal("two runs in one log: status, rows, the first one's", (status, len(rows), rows[:len(plain)] == plain), (0, 2 * len(plain), True))
+    equal("  is told", ("plant time begins anew 1 time;" in told, missing(told)), (True, 0))
+    write("y.log", "\n".join(lines) + "\n")
+    write("z.log", "\n".join(twice) + "\n")
+    for pair, status in ((("y.log", "z.log"), 1), (("z.log", "y.log"), 1), (("z.log", "z.log"), 0)):
+        r = run("compare", *pair)
+        equal("compare %s %s" % pair, (r.returncode, r.stdout.strip()), (status, "y.log ends first, after 300 rows" if status else "600 rows agree"))
+    write("g.test", CASE % "" + "golden = z.log\n")
+    r = run("test", "g.test")
+    equal("a golden log of two runs is a FAIL", (r.returncode, "this run ends first" in r.stdout), (1, True))
+    lost = [x for x in lines if identifier(x) != MOTION]
+    r = run("compare", "y.log", write("z.log", "\n".join(lost) + "\n"))
+    equal("a value that one alone has", (r.returncode, "nan" in r.stdout, "m in y.log alone, not known in z.log" in r.stdout), (1, False, True))
+    r = run("decode", write("z.log", "\n".join(twice) + "\n"), "--report", "z.html", "--out", "z.csv")
+    equal("a report says so", (r.returncode, "Plant time begins anew 1 time in them" in read("z.html")), (0, True))
+
+
 def test_replay(own):
     print("--- replay", flush=True)
     port = free_ports(2, 31000)
@@ -263,6 +285,7 @@ try:
     test_others(log)
     test_interfaces(log)
     test_missing(log)
+    test_anew(log)
     ours = test_replay("run.log")
     test_identity(log, "run.log")
     test_tools("run.log", ours)

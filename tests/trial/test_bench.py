@@ -65,11 +65,14 @@ def left():
 
 # ---- controllers that harm the bench ----
 
+# a process that hides in the bench's own group
+LEAVES = "/usr/bin/python3 -c \"import os; os.fork() or (os.setpgid(0, os.getpgid($PPID)), os.execvp('sleep', ['sleep', '1003']))\"; sleep 0.3"
 HARM = {  # what the controller does first, and what the case's error says; None: nothing comes of it
     "kill -9 $PPID": "ended by signal 9 (Killed); a controller must not signal its parent",
     "kill -TERM $PPID; sleep 20": "ended by signal 15", "kill -SEGV $PPID; sleep 20": "ended by signal 11", "kill -BUS $PPID; sleep 20": "ended by signal 7",
     "kill -9 0": "the controller ended before plant time ran: it ended by signal 9",
     "setsid sh -c 'kill -9 '$PPID'; exec %s'; sleep 20" % MARK: "ended by signal 9", "%s & kill -9 $PPID" % MARK: "ended by signal 9",
+    LEAVES: "the controller left 1 processes behind, which were ended", LEAVES + "; kill -9 $PPID": "ended by signal 9 (Killed)",
     "kill -STOP $PPID": None, "truncate -s 0 $1": None, "true > $1": None, "exec 0<&- 2>&-": None,
     "yes | head -c 30000000": None, "head -c 30000000 /dev/zero": None, "exec yes": "no word of the controller for 1 s; --patience 0 waits for ever; it printed ",
 }
@@ -101,6 +104,19 @@ def test_harm():
             if left():
                 time.sleep(0.1)
         verdict("  no process is left", not left(), left())
+
+
+def test_before():
+    """What the shell had started before it became the bench is no controller's."""
+    file_of(None)
+    c = subprocess.run("setsid sleep 60 >/dev/null 2>&1 & echo $!; exec %s test t.test" % program, shell=True, cwd=directory, capture_output=True, text=True)
+    pid = int(c.stdout.split()[0])
+    try:
+        os.kill(pid, signal.SIGTERM)
+        lives = True
+    except ProcessLookupError:
+        lives = False
+    verdict("a process that was there before the bench goes on", c.returncode == 0 and lives, c.stdout + c.stderr)
 
 
 def test_ends():
@@ -142,6 +158,9 @@ def test_lines():
     for command, mark in (("echo 'a; b", "'"), ('echo "a # b', '"'), ("echo 'it'\\''s", "'")):
         r = test(file_of(command))
         verdict("command = %s: refused" % command, r.returncode == 2 and "t.test:4: command: the quote %s does not end" % mark in r.stderr and not r.stdout, r.stderr)
+    write("says.sh", "echo hello; exit 3\n")
+    r = test(file_of(". ./says.sh"))
+    verdict("command = . ./says.sh is a line of the shell", r.returncode == 3 and "it ended with status 3; its last line: hello" in r.stdout, r.stdout)
     r = test(file_of("cd . && sh -c 'kill -SEGV $$'"))
     verdict("a line that ends early is told", r.returncode == 3 and "it ended with status 139" in r.stdout, r.stdout)
     r = test(file_of("sh -c 'kill -SEGV $$'"))
@@ -255,6 +274,6 @@ def test_golden():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_harm, test_ends, test_lines, test_names, test_junit, test_again, test_golden):
+    for part in (test_harm, test_before, test_ends, test_lines, test_names, test_junit, test_again, test_golden):
         part()
 conclude()

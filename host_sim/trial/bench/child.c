@@ -13,6 +13,7 @@
 
 enum {
     FILES_MAX = 1024, /* that a child closes */
+    CHILDREN = 1024,  /* that a process has */
     SHOWN = 120,
     CHUNK = 4096,
     CHUNKS = 64,         /* pieces of output that one look takes */
@@ -60,6 +61,32 @@ static void drain(struct child *c)
 
 /* ---- a process ---- */
 
+/* Children that this process had before any controller: a shell gives them to what it becomes by exec. */
+static struct {
+    bool begun;
+    int n_before;
+    pid_t before[CHILDREN];
+} adopted;
+
+static int list_children(pid_t child[CHILDREN])
+{
+    int n = 0, pid = 0;
+    FILE *f = fopen("/proc/thread-self/children", "r");
+    while (f && n < CHILDREN && fscanf(f, "%d", &pid) == 1)
+        child[n++] = pid;
+    if (f)
+        (void)fclose(f);
+    return n;
+}
+
+static bool was_before(pid_t pid)
+{
+    bool was = false;
+    for (int i = 0; i < adopted.n_before; i++)
+        was = was || adopted.before[i] == pid;
+    return was;
+}
+
 /* In the child. Its parent's death ends it; signals are as a shell gives them; no other file is open. A
  * program takes the place of the shell, so that how it ended is known. */
 static void become(const struct child *c, const char *command, const char *folder, int output)
@@ -85,6 +112,9 @@ static void become(const struct child *c, const char *command, const char *folde
 void child_adopt(void)
 {
     prctl(PR_SET_CHILD_SUBREAPER, 1);
+    if (!adopted.begun)
+        adopted.n_before = list_children(adopted.before);
+    adopted.begun = true;
 }
 
 bool child_start(struct child *c, const char *command, const char *folder, FILE *copy, char *why)
@@ -150,31 +180,28 @@ void child_ask(struct child *c)
 
 /* ---- what it left behind ---- */
 
-/* A running child of this process outside of its own process group: a controller, or what one left. 0: none.
- */
-static pid_t next_left(void)
+/* A running child of this process that is a controller, or what one left. 0: none. */
+static pid_t next_left(bool has_workers)
 {
-    int pid = 0;
-    pid_t found = 0;
-    FILE *f = fopen("/proc/thread-self/children", "r");
-    while (f && !found && fscanf(f, "%d", &pid) == 1)
-        if (getpgid(pid) != getpgrp() && waitpid(pid, NULL, WNOHANG) == 0)
-            found = pid;
-    if (f)
-        (void)fclose(f);
+    pid_t child[CHILDREN], found = 0;
+    int n = list_children(child);
+    for (int i = 0; i < n && !found; i++) {
+        bool spared = was_before(child[i]) || (has_workers && getpgid(child[i]) == getpgrp());
+        found = !spared && waitpid(child[i], NULL, WNOHANG) == 0 ? child[i] : 0;
+    }
     return found;
 }
 
 static void wait_for_left(void)
 {
-    for (int i = 0; i < LEFT_ROUNDS && next_left(); i++)
+    for (int i = 0; i < LEFT_ROUNDS && next_left(false); i++)
         usleep(LEFT_WAIT_US);
 }
 
-int child_end_left(void)
+int child_end_left(bool has_workers)
 {
     int left = 0;
-    for (pid_t pid = next_left(); pid && left < FILES_MAX; pid = next_left()) {
+    for (pid_t pid = next_left(has_workers); pid && left < CHILDREN; pid = next_left(has_workers)) {
         left++;
         kill(pid, SIGKILL);
         (void)waitpid(pid, NULL, 0);
@@ -194,7 +221,7 @@ int child_end(struct child *c)
         c->ended = true;
     }
     wait_for_left();
-    int left = child_end_left();
+    int left = child_end_left(false);
     kill(-c->pid, SIGKILL);
     drain(c);
     close(c->output);

@@ -22,7 +22,8 @@ struct child {
     size_t n_output; /* bytes that it has printed */
 };
 
-/* From now on this process is the parent of what its descendants leave behind. */
+/* From now on this process is the parent of what its descendants leave behind. Children that it has by now
+ * are none of a controller. */
 void child_adopt(void);
 
 /* Runs the command by a shell, in `folder`. False: why[CHILD_REASON]. */
@@ -43,9 +44,9 @@ void child_ask(struct child *c);
 /* Ends what is left of it, and every process that it left behind. Returns how many those were. */
 int child_end(struct child *c);
 
-/* Ends what controllers of ended processes have left to this one, which must have called child_adopt. Returns
- * how many those were. */
-int child_end_left(void);
+/* Ends what controllers of ended processes have left to this one, which must have called child_adopt. With
+ * has_workers, children in this process's own group are workers and stay. Returns how many those were. */
+int child_end_left(bool has_workers);
 
 /* Its last line, for people, or nothing; and how much it printed where that is much. */
 void child_describe_output(const struct child *c, char text[CHILD_REASON]);

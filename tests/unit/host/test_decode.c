@@ -114,6 +114,36 @@ TEST(decode_repeated)
 }
 
 /* Only each third frame has a MOTION, and then periods are missed, or a setting changes the pace. */
+/* A plant that is started again, also after more frames than FRAME counts; and one SYNC that comes late. */
+TEST(decode_anew)
+{
+    static const int lengths[] = {20, 400, 40000};
+    struct decode_row row = {.frame = 0};
+    for (size_t k = 0; k < sizeof lengths / sizeof lengths[0]; k++) {
+        int n = 0, wrong = 0;
+        begin();
+        for (int i = 0; i < 2 * lengths[k]; i++) {
+            if (i == lengths[k])
+                memset(counter, 0, sizeof counter);
+            if (hear_frame(i % lengths[k], "SMC", &row) < 0)
+                continue;
+            wrong +=
+                row.tick != (uint64_t)(n % lengths[k]) * SUBSTEPS || row.run != (unsigned)(n / lengths[k]);
+            wrong += !(row.value[0] == n % lengths[k]);
+            n++;
+        }
+        check_int("rows", n, 2 * lengths[k] - 1);
+        check_int("  of another tick or run", wrong, 0);
+        check_int("  frames missing", (int64_t)decoder.missing, 0);
+    }
+    begin();
+    for (int i = 0; i < 300; i++)
+        (void)hear_frame(i, "SMC", &row);
+    (void)hear_frame(150, "S", &row);
+    (void)hear_frame(301, "SMC", &row);
+    check_int("a SYNC that is 150 frames late begins nothing", row.run, 0);
+}
+
 TEST(decode_pace)
 {
     struct decode_row row;

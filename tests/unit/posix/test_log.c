@@ -481,6 +481,27 @@ TEST(log_limit)
 }
 
 /* All kinds in one file, and two interfaces of which one is read. */
+/* The log of a running plant is not that of another one, too. */
+TEST(log_of_two)
+{
+    static struct log other;
+    char text[512];
+    make_file("of before\n");
+    loopback_init(&bus, 2, 8);
+    check_no_error("opens", log_open(&record, log_file, "plant0", &bus.port[0].hal));
+    plant_sends(0x254);
+    check_contains("a second one", log_open(&other, log_file, "plant0", &bus.port[0].hal),
+                   "another process writes it");
+    check_no_error("the first one ends", log_close(&record));
+    (void)read_file(text, sizeof text);
+    check_string("  whole", text,
+                 "(0000000000.000000) plant0 20000004#0000000000C10000\n"
+                 "(0000000000.000000) plant0 254#0102\n");
+    check_no_error("then it is free", log_open(&other, log_file, "plant0", &bus.port[0].hal));
+    check_no_error("  and ends", log_close(&other));
+    unlink(log_file);
+}
+
 TEST(log_reader)
 {
     static const int64_t count[LOG_KINDS] = {4, 2, 1, 1, 3, 1};
