@@ -16,7 +16,7 @@ static const double boltzmann = 1.380649e-23;
 enum { LENGTH_MOST = 1 << 22, AROUND = 20 /* half widths of the resonance in the fit */ };
 
 static const struct option thermal_options[] = {
-    {"seconds", "S", "how long to listen (2)", OPTION_NUMBER, 1e-3, 1e4, .initial = "2"},
+    {"seconds", "S", "how long to measure (2)", OPTION_NUMBER, 1e-3, 1e4, .initial = "2"},
     {"set", "NAME=VALUE", "a number of lever or microscope, with its unit; repeatable", OPTION_TEXT,
      .many = true},
     {"out", "FILE", "rows of frequency, density and fit as CSV (standard output)", OPTION_WRITES,

@@ -126,8 +126,15 @@ def compare(program, case, folder):
     return judge(preset, grids, {n: read_run(*run(program, preset, swept_range, n, folder)) for n in grids})
 
 
+NO_PLACE = "|  |  | 0 |"
+
+
 def write_page(page, table):
-    """The table in the page becomes this one."""
+    """The table in the page becomes this one; presets without a place share its last row."""
+    without = [row.split(" ")[1] for row in table if row.endswith(NO_PLACE)]
+    table = [row for row in table if not row.endswith(NO_PLACE)]
+    if without:
+        table.append(f"| {', '.join(without)} | as tested |  {NO_PLACE}")
     with open(page, encoding="utf-8") as f:
         lines = f.read().splitlines()
     begin = lines.index(table[0])
