@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include "host_sim/afm/gsf.h"
 #include "host_sim/afm/png.h"
@@ -297,7 +296,7 @@ int cmd_scan(int argc, char **argv)
     status = status ? status : afm_bench_start(&b);
     status = status ? status : check_images(&b);
     const char *out = options_text(&b.o, "out", 0);
-    if (!status && mkdir(out, 0777) && errno != EEXIST)
+    if (!status && !files_make_folder(out))
         status = options_failure(&scan_usage, "cannot make the directory --out %s: %s", out, strerror(errno));
     if (!status && !scan_alloc(&image, b.number))
         status = options_failure(&scan_usage, "no memory for %.0f pixels in %.0f lines; give fewer",

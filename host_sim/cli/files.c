@@ -288,6 +288,27 @@ FILE *files_compose(const char *path)
     return c->f;
 }
 
+bool files_make_folder(const char *path)
+{
+    char part[PATH_MAX];
+    struct stat s;
+    if ((size_t)snprintf(part, sizeof part, "%s", path) >= sizeof part) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    for (char *p = part + 1; *p; p++) {
+        if (*p != '/')
+            continue;
+        *p = '\0';
+        if (mkdir(part, 0777) && errno != EEXIST)
+            return false;
+        *p = '/';
+    }
+    if (!mkdir(part, 0777))
+        return true;
+    return errno == EEXIST && !stat(part, &s) && S_ISDIR(s.st_mode);
+}
+
 int files_make_temporary(char *path, size_t size)
 {
     const char *folder = getenv("TMPDIR");

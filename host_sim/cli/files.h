@@ -43,6 +43,9 @@ FILE *files_compose(const char *path);
 /* Opens an output that goes on: to read and write, made where it is missing. NULL with errno. */
 FILE *files_resume(const char *path);
 
+/* Makes a folder and those above it, where they are missing. False with errno. */
+bool files_make_folder(const char *path);
+
 /* Makes an empty file without a name in $TMPDIR, or /tmp, which this process finds at the path until it
  * closes the file that is returned. Whatever ends the process, nothing is left. -1 with errno. */
 int files_make_temporary(char *path, size_t size);

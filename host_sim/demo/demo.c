@@ -15,7 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -50,25 +49,6 @@ static const struct usage demo_usage = {
     .max_words = 1,
     .table = {demo_options, scope_options},
 };
-
-/* Every directory of the path; false with errno. */
-static bool make_directories(const char *path)
-{
-    char part[DEMO_PATH];
-    if ((size_t)snprintf(part, sizeof part, "%s", path) >= sizeof part) {
-        errno = ENAMETOOLONG;
-        return false;
-    }
-    for (char *p = part + 1; *p; p++) {
-        if (*p != '/')
-            continue;
-        *p = '\0';
-        if (mkdir(part, 0777) && errno != EEXIST)
-            return false;
-        *p = '/';
-    }
-    return !mkdir(part, 0777) || errno == EEXIST;
-}
 
 static void path_of(char *path, const char *directory, const char *name)
 {
@@ -270,7 +250,7 @@ int cmd_demo(int argc, char **argv)
                              *const picture[] = {"afm.svg", NULL};
     if ((status = options_check_folder(&o, "out", microscope ? picture : files)))
         return status;
-    if (!make_directories(out))
+    if (!files_make_folder(out))
         return options_failure(&demo_usage, "cannot make the directory %s: %s", out, strerror(errno));
     if (microscope)
         return afm_demo(&o, out);

@@ -972,7 +972,9 @@ refuses 2 "is no file of Gwyddion" scan --surface "$dir/rig.ini"
 # Heights of 1e-8 m with the high byte first are 8e33 m.
 { printf 'Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\n\0\0\0\0' && printf '\062\053\314\167\062\053\314\167\062\053\314\167\062\053\314\167'; } >"$dir/big.gsf"
 refuses 2 "as float32 with the low byte first" scan --surface "$dir/big.gsf" --out "$dir/scan"
-refuses 1 "cannot make the directory" scan --out "$dir/no/such"
+touch "$dir/no"
+refuses 2 "choose another folder" scan --out "$dir/no/such"
+refuses 1 "cannot make the directory" scan --out /proc/no/such
 refuses 1 "has not found the surface" scan --set z_loop=2 --set drive=0 --set setpoint="-30 nm" --out "$dir/scan"
 refuses 2 "at 0 K" thermal --set temperature="0 K"
 refuses 2 "fewer than two segments" thermal --seconds 0.001
@@ -1003,7 +1005,7 @@ sed 1d "$dir/out" | awk -F, '
     NR > 1 && (off * off > 1e-16 || seen * seen > 1e-24) { bad++ } END { exit bad > 0 || NR != 51 }'
 verdict "simulate: actuator and sensor of a scene" $? "$(head -3 "$dir/out")"
 is "simulate: columns of stages" "$(head -1 "$dir/out")" "t,position,velocity,penetration,stage_force,stage_velocity"
-"$program" scan --set pixels=2 --set lines=1 --out "$dir/scan" 2>"$dir/err"
+"$program" scan --set pixels=2 --set lines=1 --out "$dir/not/yet/scan" 2>"$dir/err"
 has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorter than the lever's ring time 2 Q/w0 = 1.82 ms"
 "$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" >"$dir/out" 2>"$dir/err"
 has "scan: a crash has its peak force and its place" "$dir/out" "[1-9] crashes above 50 nN.*the last crash had [0-9.]* nN, at x [0-9.]* nm"
