@@ -117,9 +117,9 @@ static bool advance_ticks(struct app *a, struct lockin_frame *lockin)
     if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a) || a->streaming >= APP_STREAMING_CODES)
         return advance_tick_by_tick(a, lockin);
     if (a->config.observe)
-        return plant_run_seen(&a->plant, a->config.substeps, witness_tick, &witness);
+        return plant_run_seen(&a->plant, a->config.substeps, witness_tick, NULL, &witness);
     if (lockin->n_slots > 0)
-        return plant_run_seen(&a->plant, a->config.substeps, lockin_slots_tick, lockin);
+        return plant_run_seen(&a->plant, a->config.substeps, lockin_slots_tick, lockin_slots_ticks, lockin);
     return plant_run(&a->plant, a->config.substeps);
 }
 

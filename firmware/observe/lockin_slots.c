@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "models/lanes.h"
 #include "models/math/elementary.h"
 
 void lockin_slots_change(struct lockin_slots *l, const double *setting, uint32_t frame_ticks)
@@ -48,6 +49,48 @@ void lockin_slots_tick(void *frame, const struct plant *pl)
                    f->harmonic[h].drive->cosine, f->harmonic[h].drive->sine);
 }
 
+/* Sums over n ticks at a harmonic of drive i, each in the order of the ticks. */
+static void add_ticks(struct lockin_sum *sum, uint32_t harmonic, const double *weighted,
+                      const struct phasor (*phasor)[MODEL_INPUTS], int i, uint32_t n)
+{
+    struct lockin_sum s = *sum;
+#if TICK_LANES > 1 /* lockin_add with both parts side by side: the same bits */
+    real_lanes both = {s.re, -s.im};
+    for (uint32_t k = 0; k < n && harmonic == 1; k++)
+        both += weighted[k] * *(const lanes_in_memory *)(const void *)&phasor[k][i];
+    s = (struct lockin_sum){both[0], -both[1]};
+#endif
+    for (uint32_t k = 0; k < n && (TICK_LANES == 1 || harmonic > 1); k++)
+        lockin_add(&s, harmonic, weighted[k], phasor[k][i].cosine, phasor[k][i].sine);
+    *sum = s;
+}
+
+void lockin_slots_ticks(void *frame, const struct plant *pl, const struct method_block *b, uint32_t from,
+                        uint32_t n)
+{
+    const struct lockin_frame *f = frame;
+    double output[MODEL_OUTPUTS + PLANT_STAGES], weighted[LOCKIN_SLOTS][BLOCK_TICKS];
+    const struct phasor(*phasor)[MODEL_INPUTS] = &b->phasor[from + 1];
+    if (pl->staged)
+        memcpy(&output[MODEL_OUTPUTS], pl->stage_calls->results(pl->stages), PLANT_STAGES * sizeof *output);
+    for (uint32_t k = 0; k < n; k++) {
+        double weight = lockin_weight(&f->slots->window);
+        pl->model->output(pl->p, b->at[2 * (from + k + 1)], b->x[from + k + 1], output);
+        for (int i = 0; i < f->n_outputs; i++)
+            weighted[i][k] = weight * (output[f->output[i].number] - f->output[i].sums->reference);
+    }
+    for (int i = 0; i < f->n_outputs; i++) {
+        struct lockin_output *sums = f->output[i].sums;
+        for (uint32_t k = 0; k < n; k++)
+            sums->mean += weighted[i][k];
+        for (int j = 0; j < f->output[i].n_drives; j++)
+            add_ticks(&sums->drive[j], 1, weighted[i], phasor, f->drive[j].number, n);
+    }
+    for (int h = 0; h < f->n_harmonics; h++)
+        add_ticks(f->harmonic[h].sum, f->harmonic[h].harmonic, weighted[f->harmonic[h].output], phasor,
+                  f->harmonic[h].number, n);
+}
+
 /* ---- the begin of a frame ---- */
 
 static bool sounds(const struct drive *d)
@@ -79,6 +122,7 @@ static void list_harmonic(struct lockin_frame *f, const struct plant *pl, int i)
     struct lockin_slots *l = f->slots;
     f->harmonic[f->n_harmonics].sum = &l->slot[i].sum;
     f->harmonic[f->n_harmonics].drive = &pl->drive[l->slot[i].drive];
+    f->harmonic[f->n_harmonics].number = l->slot[i].drive;
     f->harmonic[f->n_harmonics].harmonic = l->slot[i].harmonic;
     f->harmonic[f->n_harmonics++].output = f->n_outputs;
 }

@@ -61,6 +61,7 @@ struct lockin_frame {
         struct lockin_sum *sum;
         const struct drive *drive;
         uint32_t harmonic;
+        int number; /* which drive that is */
         int output; /* place in `output` */
     } harmonic[LOCKIN_SLOTS];
 };
@@ -75,6 +76,10 @@ void lockin_slots_begin_frame(struct lockin_slots *l, const struct plant *pl, ui
 
 /* A plant_look for each tick of a frame that has slots; `frame` is its struct lockin_frame. */
 void lockin_slots_tick(void *frame, const struct plant *pl);
+
+/* A plant_look_ticks for the same: several ticks to the same bits. */
+void lockin_slots_ticks(void *frame, const struct plant *pl, const struct method_block *b, uint32_t from,
+                        uint32_t n);
 
 /* At the end of the frame: where it ends the window, each slot that measures has a result. */
 void lockin_slots_end_frame(const struct lockin_frame *frame, const struct plant *pl);

@@ -677,7 +677,8 @@ static void look_at_ticks(struct plant *pl, const struct quiet *q, uint32_t from
 
 /* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and
  * segment do, without asking in each tick what does not change. */
-ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *who)
+ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_look_ticks *several,
+                          void *who)
 {
     struct quiet q;
     bool good = true;
@@ -689,7 +690,9 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
         uint32_t from = q.done, room = BLOCK_TICKS - from;
         good = run_block(pl, &q, n < room ? n : room);
         moved = q.done - from;
-        if (look)
+        if (several && moved > 0)
+            several(who, pl, &q.b, from, moved);
+        else if (look)
             look_at_ticks(pl, &q, from, look, who);
     }
     book_ticks(pl, &q, ticks_from(&q.b, q.booked), q.done - q.booked);
@@ -705,14 +708,16 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, void *
     return good;
 }
 
-/* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each. A
- * function of its own: a tick that is asked for alone does not pay. */
-NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, void *who)
+/* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each, if not
+ * `several` is. A function of its own: a tick that is asked for alone does not pay. */
+NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, plant_look_ticks *several,
+                            void *who)
 {
     bool good;
     do {
         uint64_t left = to - pl->now.tick;
-        good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, look, who);
+        good =
+            run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, look, several, who);
     } while (good && pl->now.tick < to && is_quiet(pl));
     return good;
 }
@@ -732,7 +737,7 @@ bool plant_advance(struct plant *pl, struct instant to)
             pl->now.tick++;
             if (pl->staged)
                 pl->stage_calls->sense(pl->stages, pl);
-            if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL))
+            if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL))
                 return false;
         }
     }
@@ -744,14 +749,14 @@ bool plant_run(struct plant *pl, uint64_t ticks)
     return plant_advance(pl, (struct instant){pl->now.tick + ticks, pl->now.fraction});
 }
 
-bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *who)
+bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_look_ticks *several, void *who)
 {
     uint64_t to = pl->now.tick + ticks;
     while (pl->now.tick < to) {
         if (!plant_advance(pl, (struct instant){pl->now.tick + 1, 0}))
             return false;
         look(who, pl);
-        if (pl->now.tick < to && is_quiet(pl) && !run_quiet(pl, to, look, who))
+        if (pl->now.tick < to && is_quiet(pl) && !run_quiet(pl, to, look, several, who))
             return false;
     }
     return true;

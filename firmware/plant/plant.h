@@ -199,9 +199,15 @@ MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
  * may stand earlier. */
 typedef void plant_look(void *who, const struct plant *pl);
 
+/* Looks at n ticks of a block from tick `from` on, in which no contact switches. The plant's model, numbers
+ * and regime hold in them; the rest of it may stand elsewhere. */
+typedef void plant_look_ticks(void *who, const struct plant *pl, const struct method_block *b, uint32_t from,
+                              uint32_t n);
+
 /* plant_run from the start of a tick, for callers who look at every tick: calls look(who, pl) at the end
- * of each. */
-MUST_CHECK bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, void *who);
+ * of each. `several`: NULL, or called instead for some ticks that it sees together. */
+MUST_CHECK bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_look_ticks *several,
+                               void *who);
 
 /* Drive i, for a change by the functions of drive.h. Ticks skip a drive that was found silent until this
  * is called. */

@@ -26,7 +26,8 @@
 
 bool plant_advance(struct plant *to_move, struct instant to);
 bool plant_run(struct plant *to_move, uint64_t ticks);
-bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, void *who);
+bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, plant_look_ticks *several,
+                    void *who);
 bool mailbox_take_fire(struct mailbox *b, struct instant before, struct fire *f);
 bool mailbox_take_sample(struct mailbox *b, uint64_t frame, int channel, struct sample *s);
 bool app_apply_fire(struct app *a, const struct fire *f);
@@ -64,7 +65,8 @@ bool plant_run(struct plant *to_move, uint64_t ticks)
 }
 
 /* Any number of looks, each at another plant. */
-bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, void *who)
+bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, plant_look_ticks *several,
+                    void *who)
 {
     while (eva_bool()) {
         any_moment(to_move);

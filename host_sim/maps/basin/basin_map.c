@@ -131,7 +131,7 @@ enum basin_status basin_map_advance(const struct basin_map *map, struct plant *p
     struct watched w = {map->plant, BASIN_GOOD, look, who};
     double from[MODEL_STATES];
     memcpy(from, pl->x, sizeof from);
-    bool good = plant_run_seen(pl, (uint64_t)map->steps, watch, &w);
+    bool good = plant_run_seen(pl, (uint64_t)map->steps, watch, NULL, &w);
     if (!good && w.status == BASIN_GOOD)
         w.status = pl->counts.budget + pl->counts.residual > 0 ? BASIN_UNLOCATED : BASIN_ESCAPED;
     if (w.status != BASIN_GOOD)

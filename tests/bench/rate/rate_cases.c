@@ -142,5 +142,5 @@ static void listen(void *run, const struct plant *pl)
 bool rate_advance(struct rate_run *r, const struct rate_case *c, uint32_t ticks)
 {
     r->drive = c->drive;
-    return c->lever ? plant_run_seen(&r->plant, ticks, listen, r) : plant_run(&r->plant, ticks);
+    return c->lever ? plant_run_seen(&r->plant, ticks, listen, NULL, r) : plant_run(&r->plant, ticks);
 }

@@ -166,7 +166,7 @@ static enum outcome run_seen(uint32_t ticks)
 {
     uint64_t to = alone.now.tick + ticks;
     int n_differ = 0;
-    bool good = plant_run_seen(&parts, ticks, compare, &n_differ);
+    bool good = plant_run_seen(&parts, ticks, compare, NULL, &n_differ);
     if (n_differ > 0 || (good && alone.now.tick != to))
         return DIFFERS;
     return good ? SAME : general_tick() ? DIFFERS : BOTH_FAILED;
