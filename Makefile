@@ -14,7 +14,7 @@ WARN  = -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wdouble
 PLATFORM := $(shell $(CC) $(EXTRA) -dM -E -x c /dev/null 2>/dev/null | grep -oE '__i386__|__s390__|__clang__')
 ROUND  = $(if $(filter __i386__,$(PLATFORM)),-msse2 -mfpmath=sse) $(if $(filter __s390__,$(PLATFORM)),$(if $(filter __clang__,$(PLATFORM)),,-fexcess-precision=fast))
 UNSOUND := $(filter -ffast-math -Ofast -funsafe-math-optimizations -fassociative-math -freciprocal-math -ffinite-math-only \
-           -fno-signed-zeros -ffp-contract=fast -ffp-contract=on -ffp-model=fast -mfpmath=387,$(CC) $(OPT) $(EXTRA))
+           -fno-signed-zeros -ffp-contract=fast -ffp-contract=on -ffp-model=fast -fsingle-precision-constant -mfpmath=387,$(CC) $(OPT) $(EXTRA))
 $(if $(UNSOUND),$(error $(UNSOUND) changes the bits of a plant: build without it))
 FLAGS  = -std=c99 $(ROUND) -ffp-contract=off -fno-math-errno -fno-tree-vectorize -fno-tree-slp-vectorize $(WARN) -I.
 # Each file is compiled once, for the program and for libcontactplant.so: position independent, all hidden but what

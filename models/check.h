@@ -9,7 +9,7 @@
 #define STATIC_ASSERT(condition, name) typedef char static_assert_##name[(condition) ? 1 : -1]
 
 /* Bits are equal everywhere where each operation is rounded to its own type, in the order of the source. */
-#if FLT_EVAL_METHOD != 0 && defined(__i386__)
+#if FLT_EVAL_METHOD != 0 && (defined(__i386__) || defined(__x86_64__))
 #error "x87 keeps more digits than a double has: compile with -msse2 -mfpmath=sse (make does so by itself)"
 #elif FLT_EVAL_METHOD != 0
 #error "a float is not rounded to float here: compile with -fexcess-precision=fast or -std=gnu99 (s390x)"
@@ -21,6 +21,7 @@
 #endif
 STATIC_ASSERT(CHAR_BIT == 8, bytes_have_eight_bits);
 STATIC_ASSERT(sizeof(double) == 8 && DBL_MANT_DIG == 53, double_is_binary64);
+STATIC_ASSERT(sizeof 1.0 == sizeof(double), constants_are_doubles); /* no -fsingle-precision-constant */
 
 /* Reports an error of the programmer. The platform provides it: it latches the fault, turns the drives off
  * and does not return. */

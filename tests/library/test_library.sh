@@ -60,8 +60,14 @@ for part in -ffast-math -Ofast -ffinite-math-only; do
         verdict $? "$compiler $part is refused in words" "$why"
     done
 done
-! why=$(make -s -n EXTRA=-fassociative-math 2>&1) && echo "$why" | grep -q "fassociative-math changes the bits"
-verdict $? "make EXTRA=-fassociative-math is refused in words" "$why"
+for part in -fassociative-math -fsingle-precision-constant; do
+    ! why=$(make -s -n EXTRA=$part 2>&1) && echo "$why" | grep -q -- "$part changes the bits"
+    verdict $? "make EXTRA=$part is refused in words" "$why"
+done
+for part in "-mfpmath=387 x87.keeps.more" "-mfpmath=both x87.keeps.more" "-fsingle-precision-constant constants_are_doubles"; do
+    ! why=$(gcc -std=c99 -I. ${part% *} -include models/check.h -c -x c /dev/null -o "$here/fast.o" 2>&1) && echo "$why" | grep -q "${part#* }"
+    verdict $? "gcc ${part% *} is refused, beside make, too" "$why"
+done
 equal "version by pkg-config" "$(pkg-config --modversion contactplant)" "$version"
 equal "prefix by pkg-config" "$(PKG_CONFIG_PATH=$here/stage/opt/rig/lib64/pkgconfig pkg-config --variable=prefix contactplant)" /opt/rig
 equal "contactplant --version" "$("$prefix/bin/contactplant" --version | cut -d, -f1)" "contactplant $version"

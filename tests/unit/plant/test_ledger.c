@@ -2,6 +2,7 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"
@@ -190,6 +191,44 @@ TEST(ledger_residual)
     check_above("switches on the way", switches, 100.0);
     check_below("residual over the energy that flowed, 250 ticks a model time", coarse, 1e-7);
     check_below("the same at 1000 ticks", fine, 1e-9);
+}
+
+/* How far the residual of the linear rig goes to and fro once it has settled, of the energy that swings. The
+ * method is exact, and the drive has so many ticks a period. */
+static double residual_swing(double ticks_a_period)
+{
+    static double scratch[METHOD_SCRATCH];
+    const struct model *m = &hertz_rig_linear;
+    double si[MODEL_PARAMETERS], least = 1.0, most = -1.0, speed = 0.0;
+    struct plant pl;
+    for (int i = 0; i < m->n_parameters; i++)
+        si[i] = m->parameter[i].initial;
+    const struct plant_config c = {
+        .model = m, .si = si, .method = &exact, .tick_s = 1e-4, .dilation = 1.0, .scratch = scratch};
+    check_true("begun", !plant_init(&pl, &c));
+    plant_drive(&pl, RIG_FORCE, 20.0, 1e4 / ticks_a_period, 0.0, 0.1);
+    rig_run(&pl, 20000);
+    for (int i = 0; i < 2000; i++) {
+        rig_run(&pl, 1);
+        least = fmin(least, plant_residual(&pl));
+        most = fmax(most, plant_residual(&pl));
+        speed = fmax(speed, fabs(pl.x[1]));
+    }
+    return (most - least) / (0.5 * speed * speed * pl.scale.energy_J);
+}
+
+/* Simpson's rule leaves a part of the works where a drive has few ticks a period: accuracy.md has the
+ * numbers. */
+TEST(ledger_coarse_drives)
+{
+    static const double ticks[] = {4.013, 6.013, 8.013, 10.013, 14.013};
+    static const double share[] = {0.05, 0.01, 2.5e-3, 1e-3, 3e-4};
+    for (int i = 0; i < 5; i++) {
+        double swing = residual_swing(ticks[i]);
+        printf("      %g ticks a period\n", ticks[i]);
+        check_below("residual to and fro, of the energy that swings", swing, share[i]);
+        check_above("no more than three times what it is", 3.0 * swing, share[i]);
+    }
 }
 
 /* rk4 that brakes a little after each step: an error that no look at the state would show. */
