@@ -103,6 +103,7 @@ struct choose_record {
     double ns;        /* nanoseconds of one step, measured: information only */
     struct choose_series series; /* a step */
     const char *trouble;         /* why it did not go to the end, or NULL */
+    bool is_apart;               /* it differed too much from a run beside it, and was ended */
 };
 
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
@@ -114,10 +115,20 @@ int choose_looks(const struct scene *s);
 /* Frames in the time asked. */
 double choose_frames(const struct scene *s);
 
+/* A run that one beside it is compared with while it goes: it ends where a value differs by more than `most`.
+ */
+struct choose_beside {
+    const struct choose_record *record;
+    double most; /* SI of the bus */
+};
+
 /* Runs a scene from its start, the first state moved by `nudge` model units. NULL, or why it cannot be
  * run; then as after any run choose_record_free. */
 const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
                        struct choose_record *r);
+/* A run from its start that ends early (is_apart) where it parts from the run beside it. */
+const char *choose_run_beside(const struct scene *s, const struct choose_sweep *w,
+                              const struct choose_beside *beside, struct choose_record *r);
 void choose_record_free(struct choose_record *r);
 
 /* Peak-to-peak value plus 1e-6 of `unit`. */

@@ -210,7 +210,18 @@ static void count_series(const struct runner *o, double steps, struct choose_ser
                                 .further = (double)made->further / steps};
 }
 
-static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w, struct choose_record *r)
+/* Whether the last frame's values differ too much from those of the run beside it. */
+static bool parts(const struct choose_record *r, const struct choose_beside *beside)
+{
+    const struct choose_record *other = beside->record;
+    bool parted = false;
+    for (int i = r->n_values - r->looks; i < r->n_values && i < other->n_values; i++)
+        parted = parted || fabs(r->value[i] - other->value[i]) > beside->most;
+    return parted;
+}
+
+static void go(struct runner *o, const struct scene *s, const struct choose_sweep *w,
+               const struct choose_beside *beside, struct choose_record *r)
 {
     double residual_J = 0.0;
     for (int i = 0; i < r->wanted && !r->trouble; i++) {
@@ -222,6 +233,9 @@ static void go(struct runner *o, const struct scene *s, const struct choose_swee
             r->imbalance = fmax(r->imbalance, plant_imbalance(&o->plant, &residual_J));
         if (o->plant.counts.budget || o->plant.counts.residual)
             r->trouble = "a contact switch was not located";
+        r->is_apart = beside && !r->trouble && parts(r, beside);
+        if (r->is_apart)
+            r->trouble = "it parts from the run beside it";
     }
     double steps = fmax(r->n, 1.0) * s->substeps;
     r->ns /= steps;
@@ -230,8 +244,8 @@ static void go(struct runner *o, const struct scene *s, const struct choose_swee
     r->loss = o->plant.total_time > 0.0 ? o->plant.loss_time / o->plant.total_time : 0.0;
 }
 
-const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
-                       struct choose_record *r)
+static const char *run(const struct scene *s, const struct choose_sweep *w, double nudge,
+                       const struct choose_beside *beside, struct choose_record *r)
 {
     double n = choose_frames(s);
     *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL, .reach = {HUGE_VAL, -HUGE_VAL}};
@@ -247,9 +261,21 @@ const char *choose_run(const struct scene *s, const struct choose_sweep *w, doub
     r->value = calloc((size_t)r->wanted * (size_t)r->looks, sizeof *r->value);
     const char *why = o && r->value ? start(o, s, nudge) : "out of memory";
     if (!why)
-        go(o, s, w, r);
+        go(o, s, w, beside, r);
     free(o);
     return why;
+}
+
+const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
+                       struct choose_record *r)
+{
+    return run(s, w, nudge, NULL, r);
+}
+
+const char *choose_run_beside(const struct scene *s, const struct choose_sweep *w,
+                              const struct choose_beside *beside, struct choose_record *r)
+{
+    return run(s, w, 0.0, beside, r);
 }
 
 void choose_record_free(struct choose_record *r)

@@ -14,10 +14,32 @@ static double largest_scatter(const struct choose_certificate *c)
     return most;
 }
 
+/* Times the tolerance: a reduced model that differs so much is refused before its run is over. */
+static const double far_off = 10.0;
+
+/* Runs a reduced model beside the full one: its error. */
+static double judge_reduced(const struct search *o, struct choose_verdict *v, const struct scene *s)
+{
+    const struct choose_certificate *c = o->c;
+    const struct choose_beside beside = {&o->truth, far_off * c->scene.tolerance * c->span};
+    struct choose_record r;
+    const char *why =
+        c->statistics ? choose_run(s, &c->sweep, 0.0, &r) : choose_run_beside(s, &c->sweep, &beside, &r);
+    double error = why ? HUGE_VAL : choose_error(o, &r);
+    if (r.is_apart)
+        choose_say(v->refused, "its error in a run beside the full model is above %.2g",
+                   far_off * c->scene.tolerance);
+    else if (isfinite(error) && !choose_meets(o, error))
+        choose_say(v->refused, "its error in a run beside the full model is %.2g", error);
+    else if (!isfinite(error))
+        choose_say(v->refused, "it escapes in a run beside the full model");
+    choose_record_free(&r);
+    return error;
+}
+
 static void judge(struct search *o, struct choose_verdict *v)
 {
     bool full = v->candidate.kind == KIND_OWN;
-    struct choose_record r;
     struct scene s = v->candidate.scene;
     char reason[SCENE_CHECK_REASON];
     double most = HUGE_VAL;
@@ -29,17 +51,9 @@ static void judge(struct search *o, struct choose_verdict *v)
     if (*v->refused || !choose_tighten(&s, CHOOSE_LOOSE, 1.0, reason))
         return;
     choose_tell(o, "trying", &s);
-    const char *why = full ? NULL : choose_run(&s, &o->c->sweep, 0.0, &r);
-    v->error = full ? choose_error(o, &o->truth) : why ? HUGE_VAL : choose_error(o, &r);
-    if (!full)
-        choose_record_free(&r);
-    if (!full && !choose_meets(o, v->error)) {
-        if (isfinite(v->error))
-            choose_say(v->refused, "its error in a run beside the full model is %.2g", v->error);
-        else
-            choose_say(v->refused, "it escapes in a run beside the full model");
+    v->error = full ? choose_error(o, &o->truth) : judge_reduced(o, v, &s);
+    if (*v->refused)
         return;
-    }
     static const int order[CHOOSE_METHODS] = {3, 2, 0, 4, 1, 5}; /* dearest by run time last */
     bool hopeless = o->c->statistics && !choose_meets(o, largest_scatter(o->c));
     for (int k = 0, tried = 0; k < CHOOSE_METHODS && !(hopeless && tried); k++) {

@@ -160,6 +160,7 @@ const char *choose_truth(struct search *o, bool *escaped)
     const char *why = choose_run(&s, &c->sweep, 0.0, &o->truth);
     if (!why && o->truth.trouble)
         return escape(o, escaped);
+    s.substeps = c->scene.substeps;
     if (!why && !choose_tighten(&s, CHOOSE_LOOSE, 2.0, reason))
         why = reason;
     choose_tell(o, "truth again:", &s);
