@@ -222,11 +222,12 @@ stage waits "command line, processes, bad input" tests/cli/test_cli.sh build/con
 stage waits "Python: contactplant.py, with pytest and python-can" /usr/bin/python3 tests/library/test_python.py build
 stage waits "lockstep between processes" /usr/bin/python3 tests/cli/test_lockstep.py build/contactplant
 stage waits "blocks of converter codes over UDP" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant
+more speak "blocks of converter codes in real time" /usr/bin/python3 tests/cli/test_blocks.py build/contactplant --realtime
 stage waits "many plants on one bus" /usr/bin/python3 tests/cli/test_plants.py build/contactplant
 stage waits "names and texts in JSON, XML and reports" /usr/bin/python3 tests/cli/test_texts.py build
 stage waits "numbers from one command to the next, times, tolerances" /usr/bin/python3 tests/cli/test_numbers.py build/contactplant
 stage waits "logs of the world outside, and ours in other tools" /usr/bin/python3 tests/cli/test_logs.py build/contactplant
-stage waits "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
+more speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage waits "no internal value in what any subcommand prints or writes" /usr/bin/python3 tests/cli/test_outputs.py build/contactplant
 stage waits "outputs and inputs of every command" /usr/bin/python3 tests/cli/test_files.py build/contactplant
 more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant

@@ -356,7 +356,7 @@ def real(browser):
 with Planted(10000, speed=2) as url, Chromium() as browser:
     size = sum(len(open(os.path.join(os.path.dirname(__file__), "../../host_sim/report/page", n), "rb").read())
                for n in ("scope.html", "scope.css", "scope.js", "draw.js"))
-    check("the page has 60 kB at most", size <= 60000, size)
+    check("the page has 60 KiB at most", size <= 61440, size)
     tab = browser.open(url)
     tab.wait("scope.look().shown !== null && scope.look().shown !== undefined", 30)
     shown = counts(tab)

@@ -313,7 +313,7 @@ def test_requests(http):
         size += len(wanted)
         got = ask(http, request(target + "?x=1")).split(b"\r\n\r\n", 1)[1]
         verdict("%s is as committed" % name, got == wanted, "%d bytes, wanted %d" % (len(got), len(wanted)))
-    verdict("the page has %d bytes of at most 60000" % size, size <= 60000)
+    verdict("the page has %d bytes of at most 61440" % size, size <= 61440)
     verdict("HEAD has no body", answers(http, "HEAD", request("/", method="HEAD"), 200, "Content-Length: ").endswith(b"\r\n\r\n"))
     verdict("HEAD of the stream ends", answers(http, "HEAD of /events", request("/events", method="HEAD"), 200).endswith(b"\r\n\r\n"))
     for host in ("127.0.0.1", "localhost:%d" % http, "[::1]:1", "LOCALHOST"):
