@@ -5,7 +5,7 @@
 #include "models/math/elementary.h"
 
 static const double told = 0.499;  /* share of a tone's power that must be left, less rounding */
-static const double spent = 1e-4;  /* share of a tone's power below which nothing is left to take out */
+static const double spent = 1e-6;  /* share of a tone's power below which nothing is left to take out */
 static const double nearly = 1e-4; /* periods a window: there a kernel is taken for its limit */
 
 /* sin(n x) / sin(x), or its limit where that is 0/0. */

@@ -155,3 +155,27 @@ TEST(app_lockin_sweep)
     }
     check_below("off the response at its frequency", worst, 3e-4);
 }
+
+/* Windows in which the tones of two strong drives can hardly be told apart: neither is seen as a harmonic. */
+TEST(app_lockin_harmonic_alone)
+{
+    static const double hertz[][2] = {{37.877, 38.917}, {38.589, 38.434}, {11.113, 10.79}};
+    static const int frames[] = {20, 47, 61};
+    for (int i = 0; i < 3; i++) {
+        start();
+        bus_set(&bus, SETTING_FIRST + SET_LOCKIN_CHANNEL + 1, RIG_FORCE);
+        sound(RIG_FORCE, 0.5, hertz[i][0], 0.0);
+        sound(RIG_FAST_FORCE, 10.0, hertz[i][1], 0.0);
+        run(SETTLED);
+        int told = 0;
+        for (int n = 2; n <= 4; n++) {
+            bus_set(&bus, SETTING_FIRST + SET_LOCKIN_HARMONIC + 1, n);
+            double complex z = slot(1, frames[i]);
+            if (isnan(creal(z)))
+                continue;
+            check_below("of the strong one's motion", cabs(z / (10.0 * response(hertz[i][1]))), 1e-8);
+            told++;
+        }
+        check_above("harmonics that are told", told, 1);
+    }
+}
