@@ -106,6 +106,8 @@ enum lockin_verdict lockin_fit(const struct lockin_window *w, const struct locki
 {
     struct lockin_normal q;
     struct lockin_sum found = {0.0, 0.0};
+    if (!(tone[n - 1].rate < 0.5))
+        return LOCKIN_CLOSE;
     set_up(&q, w, tone, n, mean);
     if (!(lockin_solve(&q, n, w->weight, &found) > 0.5 * told * w->weight))
         return apart(tone[n - 1].rate) * w->n_ticks < 1.0 ? LOCKIN_SHORT : LOCKIN_CLOSE;

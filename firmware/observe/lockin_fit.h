@@ -36,7 +36,7 @@ struct lockin_tone {
 enum lockin_verdict {
     LOCKIN_TOLD,
     LOCKIN_SHORT, /* the window holds less than one period of the tone */
-    LOCKIN_CLOSE  /* the tone is too near another one */
+    LOCKIN_CLOSE  /* the tone is too near another one, or it has no more than two ticks a period */
 };
 
 /* True where the beat of two tones takes more than a thousand windows. */

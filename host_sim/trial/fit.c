@@ -25,7 +25,8 @@ void fit_add(struct fit *f, double place, uint64_t turns, double x, const struct
     for (int i = 0; drive && i < MODEL_INPUTS; i++) {
         if (!(drive[i].rate > 0.0))
             continue;
-        cos_sin_turns(drive[i].turns, &b[1 + 2 * i], &b[2 + 2 * i]);
+        b[1 + 2 * i] = drive[i].cosine;
+        b[2 + 2 * i] = drive[i].sine;
         note_rate(f, i, drive[i].rate);
     }
     cos_sin_turns(turns, &b[OWN], &b[OWN + 1]);

@@ -13,8 +13,8 @@
 
 /* A drive at a sample. */
 struct fit_drive {
-    uint64_t turns; /* its phase, turns * 2^64 */
-    double rate;    /* turns a tick; 0: it does not sound */
+    double cosine, sine; /* of its phase */
+    double rate;         /* turns a tick; 0: it does not sound */
 };
 
 /* Sums over the samples; all zero before the first one. */

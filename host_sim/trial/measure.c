@@ -258,6 +258,8 @@ static struct metric_value contact_value(struct measurement *m, double now)
 static struct metric_value fit_value(const struct measurement *m)
 {
     double amplitude, phase_deg;
+    if (!(m->set.frequency_Hz * m->tick_s < 0.5))
+        return (struct metric_value){.note = "lockin is above half the rate of ticks"};
     enum lockin_verdict verdict = fit_solve(&m->fit, m->set.frequency_Hz * m->tick_s,
                                             (double)(m->to - m->from), &amplitude, &phase_deg);
     if (verdict == LOCKIN_SHORT)

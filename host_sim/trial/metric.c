@@ -135,7 +135,7 @@ NEVER_INLINE void read_drives(struct fit_drive *to, const struct plant *pl)
     for (int i = 0; i < pl->model->n_inputs; i++) {
         const struct drive *d = &pl->drive[i];
         bool sounds = d->amplitude != 0.0 || d->ramp_left > 0;
-        to[i] = (struct fit_drive){d->carrier + d->offset, sounds ? drive_turns_per_tick(d) : 0.0};
+        to[i] = (struct fit_drive){d->cosine, d->sine, sounds ? drive_turns_per_tick(d) : 0.0};
     }
 }
 

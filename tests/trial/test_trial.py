@@ -403,6 +403,8 @@ def test_response_beside():
     near("phase, deg", found["displacement.phase"]["value"] + 360, math.degrees(math.atan2(h.imag, h.real)) + 360, 1e-5)
     found, case = values(file_of("idle", cases.replace("2.54 s", "2.37 s"), scene="hertz_rig_linear"))
     verdict("half a beat tells nothing", case[0]["verdict"] == "untested" and found["displacement.amplitude"]["value"] is None, case)
+    found, case = values(file_of("idle", cases.replace("lockin = 43.7 Hz", "lockin = 63956.3 Hz"), scene="hertz_rig_linear"))
+    verdict("nor does a frequency whose samples at the ticks are those of another", case[0]["verdict"] == "untested" and "half the rate" in found["displacement.amplitude"]["found"], case)
 
 
 def test_counters():

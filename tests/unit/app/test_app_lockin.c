@@ -179,3 +179,19 @@ TEST(app_lockin_harmonic_alone)
         check_above("harmonics that are told", told, 1);
     }
 }
+
+/* At 8 ticks a period the samples of harmonics 7 and 1 are equal: 7 is not told. */
+TEST(app_lockin_folded)
+{
+    static const bool told[] = {true, true, false, false, false};
+    start();
+    bus_set(&bus, SETTING_FIRST + SET_LOCKIN_CHANNEL + 1, RIG_FORCE);
+    sound(RIG_FORCE, 1.0, 1e3 * TICKS / 8.0, 0.0);
+    run(SETTLED);
+    for (int n = 2; n <= 6; n++) {
+        bus_set(&bus, SETTING_FIRST + SET_LOCKIN_HARMONIC + 1, n + (n > 3));
+        double complex z = slot(1, 100);
+        printf("      harmonic %d: %g m\n", n + (n > 3), cabs(z));
+        check_int("told", !isnan(creal(z)), told[n - 2]);
+    }
+}

@@ -15,8 +15,9 @@ static enum lockin_verdict fitted(double periods, double other, bool told, doubl
     struct fit f = {0};
     for (int i = 0; i < SAMPLES; i++) {
         double at = (i + 0.5) / SAMPLES, turns = periods * at + 0.123;
-        const struct fit_drive drive[MODEL_INPUTS] = {{turns_of(turns - 0.3), periods / SAMPLES},
-                                                      {turns_of(other * at + 0.2), other / SAMPLES}};
+        double own = 2.0 * M_PI * (turns - 0.3), beside = 2.0 * M_PI * (other * at + 0.2);
+        const struct fit_drive drive[MODEL_INPUTS] = {{cos(own), sin(own), periods / SAMPLES},
+                                                      {cos(beside), sin(beside), other / SAMPLES}};
         fit_add(&f, at, turns_of(turns),
                 7.0 + 0.1 * cos(2.0 * M_PI * turns + 0.5) +
                     (other > 0.0 ? cos(2.0 * M_PI * other * at) : 0.0),
