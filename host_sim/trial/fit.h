@@ -13,7 +13,7 @@
 
 /* A drive at a sample. */
 struct fit_drive {
-    double cosine, sine; /* of its phase */
+    double cosine, sine; /* its phasor */
     double rate;         /* turns a tick; 0: it does not sound */
 };
 
