@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The pages: every relative link and every page named in a source exists; lines fit; no page under docs/ is too long.
+"""The pages: every relative link and every page named in a source exists; lines fit; no page under docs/ is too long, and no
+release of CHANGELOG.md, whose lines are wider.
 
 Headings make anchors as GitHub makes them. Tables and code may be wider than LINE."""
 import pathlib
@@ -9,6 +10,7 @@ import sys
 import listed
 
 LINE, PAGE = 110, 300
+CHANGES, RELEASE, CHANGE = pathlib.Path("CHANGELOG.md"), 40, 150
 
 
 def prose(text):
@@ -36,6 +38,14 @@ def broken(path, target):
     return "no such heading" if anchor and anchor not in anchors(to) else ""
 
 
+def releases():
+    """Each release of CHANGELOG.md, by its heading, that has more than RELEASE lines with something in them."""
+    for part in re.split(r"^## ", CHANGES.read_text(encoding="utf-8"), flags=re.M)[1:]:
+        lines = [line for line in part.split("\n") if line.strip()]
+        if len(lines) > RELEASE:
+            yield f"{CHANGES}: {lines[0]}: {len(lines)} lines, {RELEASE} at most: join what one user notices, drop what none does"
+
+
 def main():
     files = listed.files()
     wrong, links, named = [], 0, 0
@@ -43,14 +53,16 @@ def main():
     for path in pages:
         text = path.read_text(encoding="utf-8")
         for number, line in prose(text):
-            if len(line) > LINE and not line.startswith("|") and path.name != "CHANGELOG.md":
-                wrong.append(f"{path}:{number}: {len(line)} columns, {LINE} at most")
+            most = CHANGE if path == CHANGES else LINE
+            if len(line) > most and not line.startswith("|"):
+                wrong.append(f"{path}:{number}: {len(line)} columns, {most} at most")
             for target in re.findall(r"\]\(([^)\s]+)\)", line):
                 links += 1
                 if not re.match(r"https?:", target) and broken(path, target):
                     wrong.append(f"{path}:{number}: {broken(path, target)}: {target}")
         if path.parts[0] == "docs" and text.count("\n") > PAGE:
             wrong.append(f"{path}: {text.count(chr(10))} lines, {PAGE} at most: split it")
+    wrong += releases()
     for path in files:
         if path.suffix in (".md", ".c", ".h", ".mk", ".sh", ".py") or path.name == "Makefile":
             for page in re.findall(r"\bdocs/[\w/]+\.md", path.read_text(encoding="utf-8")):
