@@ -117,48 +117,51 @@ static bool measures(const struct lockin_slots *l, int i)
     return l->slot[i].harmonic == 0 || (l->sounding >> l->slot[i].drive & 1u);
 }
 
-static void list_harmonic(struct lockin_frame *f, const struct plant *pl, int i)
+/* Adds the output of slot i; returns its place. */
+static int list_output(struct lockin_frame *f, int i)
+{
+    struct lockin_slots *l = f->slots;
+    f->output[f->n_outputs].sums = &l->output[l->slot[i].first];
+    f->output[f->n_outputs].number = l->slot[i].output;
+    return f->n_outputs++;
+}
+
+static void list_harmonic(struct lockin_frame *f, const struct plant *pl, int i, int output)
 {
     struct lockin_slots *l = f->slots;
     f->harmonic[f->n_harmonics].sum = &l->slot[i].sum;
     f->harmonic[f->n_harmonics].drive = &pl->drive[l->slot[i].drive];
     f->harmonic[f->n_harmonics].number = l->slot[i].drive;
     f->harmonic[f->n_harmonics].harmonic = l->slot[i].harmonic;
-    f->harmonic[f->n_harmonics++].output = f->n_outputs;
+    f->harmonic[f->n_harmonics++].output = output;
 }
 
-/* The output of slot i, if a slot that measures has it. */
-static void list_output(struct lockin_frame *f, const struct plant *pl, int i)
+/* Lists the sums of slot i. place: of the output of each first slot, -1 before it is listed. */
+static void list_slot(struct lockin_frame *f, const struct plant *pl, int i, int place[LOCKIN_SLOTS])
 {
-    struct lockin_slots *l = f->slots;
-    int n = 0, tonal = 0;
-    if (l->slot[i].first != i)
-        return;
-    for (int k = i; k < LOCKIN_SLOTS; k++) {
-        if (l->slot[k].first != i || !measures(l, k))
-            continue;
-        n++;
-        tonal += l->slot[k].harmonic > 0;
-        if (l->slot[k].harmonic > 1)
-            list_harmonic(f, pl, k);
-    }
-    if (n == 0)
-        return;
-    f->n_slots += n;
-    f->output[f->n_outputs].sums = &l->output[i];
-    f->output[f->n_outputs].number = l->slot[i].output;
-    f->output[f->n_outputs++].n_drives = tonal > 0 ? f->n_drives : 0;
+    const struct lockin_slots *l = f->slots;
+    int output = place[l->slot[i].first];
+    if (output < 0)
+        output = list_output(f, i);
+    place[l->slot[i].first] = output;
+    f->n_slots++;
+    if (l->slot[i].harmonic > 0)
+        f->output[output].n_drives = f->n_drives;
+    if (l->slot[i].harmonic > 1)
+        list_harmonic(f, pl, i, output);
 }
 
 /* Lists every output, drive and harmonic; places that stay empty hold the first one. */
 static void list_all(struct lockin_frame *f, struct lockin_slots *l, const struct plant *pl)
 {
+    int place[LOCKIN_SLOTS];
     *f = (struct lockin_frame){.slots = l};
     for (int i = 0; i < LOCKIN_SLOTS; i++) {
         f->output[i].sums = &l->output[0];
         f->drive[i].drive = &pl->drive[0];
         f->harmonic[i].sum = &l->slot[0].sum;
         f->harmonic[i].drive = &pl->drive[0];
+        place[i] = -1;
     }
     for (int i = 0; i < MODEL_INPUTS; i++) {
         if (!(l->sounding >> i & 1u))
@@ -167,7 +170,8 @@ static void list_all(struct lockin_frame *f, struct lockin_slots *l, const struc
         f->drive[f->n_drives++].number = i;
     }
     for (int i = 0; i < LOCKIN_SLOTS; i++)
-        list_output(f, pl, i);
+        if (measures(l, i))
+            list_slot(f, pl, i, place);
 }
 
 void lockin_slots_begin_frame(struct lockin_slots *l, const struct plant *pl, uint32_t ticks,

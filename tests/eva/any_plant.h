@@ -64,6 +64,7 @@ static const struct method any_method = {
     .n_scratch = n_scratch, .refuse = refuse, .prepare = prepare_nothing, .bind = bind, .books = books};
 
 static struct plant pl;
+static double event_x[PLANT_EVENTS][MODEL_STATES];
 
 static void any_segment(struct segment *e, int n_inputs)
 {
@@ -74,6 +75,7 @@ static void any_segment(struct segment *e, int n_inputs)
 
 static void any_events(struct plant *p)
 {
+    p->event_x = eva_bool() ? event_x : NULL;
     p->n_event = eva_uint(0, PLANT_EVENTS);
     p->event_head = eva_uint(0, PLANT_EVENTS - 1);
     /*@ loop unroll PLANT_EVENTS; */

@@ -33,6 +33,7 @@ settings@firmware/bus/settings.c@if (!(value >= s->min && value <= s->max))@if (
 command@firmware/app/command.c@(uint32_t)a->plant.model->n_outputs,@MODEL_OUTPUTS,
 command@firmware/app/parameters.c@index < (unsigned)a->plant.model->n_parameters ||@index < SETTING_FIRST ||
 advance@firmware/app/app_advance.c@if (app_apply_fire(a, &f))@if (!app_apply_fire(a, &f))
+advance@firmware/observe/lockin_fit.h@LOCKIN_TONES = MODEL_INPUTS + 1@LOCKIN_TONES = MODEL_INPUTS
 telemetry@firmware/app/telemetry.c@t->health_next = (item + 1) % DIAG_COUNTERS;@t->health_next = item + 1;
 END
 echo "$passed passed, $failed failed"

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "models/math/elementary.h"
+#include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
@@ -23,10 +24,10 @@ static double complex response(double hertz)
     return 1.0 / (k - si[RIG_MASS] * w * w + J * si[RIG_DAMPING] * w);
 }
 
-static void start(void)
+static void start(const struct model *m)
 {
     struct app_config c = bus_config();
-    c.model = &hertz_rig_linear;
+    c.model = m;
     c.substeps = TICKS;
     bus_start_running(&bus, &c);
 }
@@ -77,7 +78,7 @@ TEST(app_lockin_everywhere)
                                    97.77, 225.0, 331.0, 613.7, 1234.5, 2000.0};
     static const int window[] = {10, 13, 37, 100, 333, 1000};
     for (int i = 0; i < 12; i++) {
-        start();
+        start(&hertz_rig_linear);
         sound(RIG_FORCE, 1.0, hertz[i], 0.0);
         run(SETTLED);
         for (int k = 0; k < 6; k++) {
@@ -100,7 +101,7 @@ TEST(app_lockin_beside)
     static const double hertz[][2] = {
         {97.77, 137.1}, {43.7, 63.3}, {225.0, 251.3}, {613.7, 43.7}, {331.0, 3.0}};
     for (int i = 0; i < 5; i++) {
-        start();
+        start(&hertz_rig_linear);
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_HARMONIC + 1, 3.0);
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_CHANNEL + 1, RIG_FORCE);
         sound(RIG_FORCE, 0.5, hertz[i][0], 0.0);
@@ -122,7 +123,7 @@ TEST(app_lockin_near)
 {
     static const double other[] = {120.0, 123.0, 128.0};
     for (int i = 0; i < 3; i++) {
-        start();
+        start(&hertz_rig_linear);
         sound(RIG_FORCE, 1.0, 120.0, 0.0);
         sound(RIG_FAST_FORCE, 1.0, other[i], 0.0);
         run(SETTLED);
@@ -141,7 +142,7 @@ TEST(app_lockin_near)
 /* A slow sweep: windows of few periods follow the response, though the mean is a hundred times as large. */
 TEST(app_lockin_sweep)
 {
-    start();
+    start(&hertz_rig_linear);
     sound(RIG_FORCE, 1.0, 35.0, 0.0);
     run(SETTLED);
     bus_drive(&bus, RIG_FORCE, 1.0, 55.0, 0.3, 20.0);
@@ -162,7 +163,7 @@ TEST(app_lockin_harmonic_alone)
     static const double hertz[][2] = {{37.877, 38.917}, {38.589, 38.434}, {11.113, 10.79}};
     static const int frames[] = {20, 47, 61};
     for (int i = 0; i < 3; i++) {
-        start();
+        start(&hertz_rig_linear);
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_CHANNEL + 1, RIG_FORCE);
         sound(RIG_FORCE, 0.5, hertz[i][0], 0.0);
         sound(RIG_FAST_FORCE, 10.0, hertz[i][1], 0.0);
@@ -184,7 +185,7 @@ TEST(app_lockin_harmonic_alone)
 TEST(app_lockin_folded)
 {
     static const bool told[] = {true, true, false, false, false};
-    start();
+    start(&hertz_rig_linear);
     bus_set(&bus, SETTING_FIRST + SET_LOCKIN_CHANNEL + 1, RIG_FORCE);
     sound(RIG_FORCE, 1.0, 1e3 * TICKS / 8.0, 0.0);
     run(SETTLED);
@@ -194,4 +195,23 @@ TEST(app_lockin_folded)
         printf("      harmonic %d: %g m\n", n + (n > 3), cabs(z));
         check_int("told", !isnan(creal(z)), told[n - 2]);
     }
+}
+
+/* A slot measures its own output, also where that is not the first one, or is that of a slot whose drive is
+ * silent. Harmonic 2 of the velocity is 2 i w times that of the displacement. */
+TEST(app_lockin_outputs)
+{
+    static const double output[] = {0, 1, 0, 0}, channel[] = {RIG_BASE, RIG_FORCE, RIG_FORCE, RIG_FORCE};
+    const double hertz = 250.0;
+    start(&hertz_rig);
+    for (int i = 0; i < LOCKIN_SLOTS; i++) {
+        bus_set(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT + (unsigned)i, output[i]);
+        bus_set(&bus, SETTING_FIRST + SET_LOCKIN_CHANNEL + (unsigned)i, channel[i]);
+        bus_set(&bus, SETTING_FIRST + SET_LOCKIN_HARMONIC + (unsigned)i, i == 3 ? 1 : 2);
+    }
+    sound(RIG_FORCE, 0.5, hertz, 0.0);
+    run(SETTLED);
+    check_slot(3, hertz, 40, 0.5 * response(hertz), 1e-3);
+    check_slot(1, hertz, 40, 2.0 * J * TWO_PI * hertz * slot(2, 40), 1e-5);
+    check_true("a slot whose drive is silent says nothing", cabs(slot(0, 40)) == 0.0);
 }
