@@ -69,7 +69,7 @@ void lockin_slots_ticks(void *frame, const struct plant *pl, const struct method
                         uint32_t n)
 {
     const struct lockin_frame *f = frame;
-    double output[MODEL_OUTPUTS + PLANT_STAGES], weighted[LOCKIN_SLOTS][BLOCK_TICKS];
+    double output[MODEL_OUTPUTS + PLANT_STAGES], weighted[LOCKIN_SLOTS][BLOCK_TICKS] = {{0.0}};
     const struct phasor(*phasor)[MODEL_INPUTS] = &b->phasor[from + 1];
     if (pl->staged)
         memcpy(&output[MODEL_OUTPUTS], pl->stage_calls->results(pl->stages), PLANT_STAGES * sizeof *output);

@@ -64,13 +64,24 @@ bool plant_run(struct plant *to_move, uint64_t ticks)
     return plant_advance(to_move, (struct instant){to_move->now.tick + ticks, 0});
 }
 
-/* Any number of looks, each at another plant. */
+static void look_at_block(const struct plant *seen, plant_look_ticks *several, void *who)
+{
+    static struct method_block b;
+    eva_any(&b, sizeof b);
+    /*@ loop unroll BLOCK_TICKS; */
+    for (uint32_t from = 0; from < BLOCK_TICKS; from++)
+        several(who, seen, &b, from, eva_uint(1, BLOCK_TICKS - from));
+}
+
+/* Any number of looks, each at another plant, and at any ticks of a block. */
 bool plant_run_seen(struct plant *to_move, uint64_t ticks, plant_look *look, plant_look_ticks *several,
                     void *who)
 {
     while (eva_bool()) {
         any_moment(to_move);
         look(who, to_move);
+        if (several)
+            look_at_block(to_move, several, who);
     }
     return plant_run(to_move, ticks);
 }

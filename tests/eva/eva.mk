@@ -35,7 +35,7 @@ eva_flags_settings := -eva-precision 1 -eva-slevel 200 -eva-auto-loop-unroll 200
 eva_flags_capture := -eva-split-return full -eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 40
 eva_flags_command := -eva-precision 1 -eva-slevel 8 -eva-auto-loop-unroll 250
 eva_flags_advance := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-split-return-function list_tones:1:2:3:4:5 \
-                     -eva-slevel-function list_tones:100,end_slot:20,lockin_fit:20,set_up:100,eliminate:100 \
+                     -eva-slevel-function list_tones:1000,end_slot:60,lockin_fit:60,lockin_solve:60,set_up:100,eliminate:100 \
                      -eva-slevel-function advance_ticks:6,advance_tick_by_tick:6,advance_tick:6,plant_run_seen:6,lockin_slots_tick:6,advance_through_fires:6,advance_frame:8 \
                      -eva-slevel-function model_same_name:400,is_output:200,model_observable_state:200,model_observable:200,watch_start:100,watch:100
 eva_flags_telemetry := -eva-precision 0 -eva-slevel 0 -eva-auto-loop-unroll 64 -eva-slevel-function send_parameters:2400,send_info:40,send_selftest:40 \
