@@ -1,10 +1,12 @@
 /* record.c - see record.h. */
 #include "host_sim/trial/record.h"
 
+#include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include "host_sim/trial/bench/bench.h"
 
 enum {
@@ -26,14 +28,20 @@ static int stem(const char *file, const char **begin)
     return n;
 }
 
+/* No folder and no blank in it. */
+static void clean(char *name)
+{
+    for (char *at = name; *at; at++)
+        *at = strchr("/ \t", *at) ? '_' : *at;
+}
+
 static void write_name(const struct trial *t, struct trial_case *c, int number)
 {
     const char *file;
     char name[TRIAL_RECORD];
     int n = stem(t->file, &file);
     n = snprintf(name, sizeof name, "%.*s.%s", n, file, c->name);
-    for (char *at = name; *at; at++)
-        *at = strchr("/ \t", *at) ? '_' : *at;
+    clean(name);
     if (number > 1)
         snprintf(name + n, sizeof name - (size_t)n, "-%d", number);
     memcpy(c->record, name, sizeof c->record);
@@ -60,8 +68,20 @@ static bool is_taken(struct trial *const *trial, int i, int k)
     return false;
 }
 
+/* How many of the i test files before this one have its name in another folder. */
+static int count_namesakes(struct trial *const *trial, int i)
+{
+    const char *own, *other;
+    int n = stem(trial[i]->file, &own), count = 0;
+    for (int k = 0; k < i; k++)
+        count += stem(trial[k]->file, &other) == n && !strncasecmp(own, other, (size_t)n);
+    return count;
+}
+
 void record_name_cases(struct trial *const *trial, int n)
 {
+    for (int i = 0; i < n; i++)
+        trial[i]->namesakes = count_namesakes(trial, i);
     for (int i = 0; i < n; i++)
         for (int k = 0; k < trial[i]->n_cases; k++) {
             struct trial_case *c = &trial[i]->cases[k];
@@ -126,10 +146,32 @@ static bool has_golden(const struct trial *t, const char *folder)
     return false;
 }
 
+/* Something there may be a record of this test, or it is no folder. */
+static bool is_used(const struct trial *t, const char *folder)
+{
+    const char *file;
+    char name[TRIAL_RECORD];
+    struct stat s;
+    int n = stem(t->file, &file);
+    DIR *d = opendir(folder);
+    bool used = !d && !lstat(folder, &s);
+    n = snprintf(name, sizeof name, "%.*s.", n, file);
+    clean(name);
+    for (struct dirent *e; d && !used && (e = readdir(d));)
+        used = !strncasecmp(e->d_name, name, (size_t)n);
+    if (d)
+        closedir(d);
+    return used;
+}
+
 const char *record_safe_folder(const struct trial *t, char text[TRIAL_RECORD])
 {
-    snprintf(text, TRIAL_RECORD, "again");
-    for (int number = 2; has_golden(t, text); number++)
-        snprintf(text, TRIAL_RECORD, "again-%d", number);
+    int number = t->namesakes + 1;
+    do {
+        int n = snprintf(text, TRIAL_RECORD, "again");
+        if (number > 1)
+            snprintf(text + n, (size_t)(TRIAL_RECORD - n), "-%d", number);
+        number++;
+    } while (has_golden(t, text) || is_used(t, text));
     return text;
 }

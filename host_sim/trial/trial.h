@@ -101,6 +101,7 @@ struct trial {
     bool loops;                /* the controller is the station's own loops */
     char command[TRIAL_VALUE]; /* runs the controller, or "" */
     bool attached;             /* it runs elsewhere and connects by itself */
+    int namesakes;             /* test files of this name before it, in other folders */
     int n_cases;
     struct trial_case cases[TRIAL_CASES];
 };

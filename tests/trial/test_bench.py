@@ -224,8 +224,21 @@ def test_again():
         c = subprocess.run(again(r), shell=True, cwd=directory, env=shell, capture_output=True, text=True)
         lines = [x[10:34].strip() for x in c.stdout.splitlines() if re.match("(ok|FAIL) ", x)]
         verdict("again: %s" % again(r), lines == [case] and c.returncode == 1, c.stdout + c.stderr)
+    shutil.rmtree(path("again"), ignore_errors=True)
     r = test(file_of(None, "[case s]\nlink = in.drop=0.5\nseeds = 1..3\n%sexpect touchdowns == 5\n" % CASE), "--seed", "3", "--patience", "7")
     verdict("with the seed and the options of the command line", shlex.split(again(r))[3:] == ["--case", "s", "--seed", "3", "--patience", "7", "--log", "again"], again(r))
+    folders = ["fresh/one/x.test", "fresh/two/X.test"]
+    for i, name in enumerate(folders):
+        file_of(None, "[case x]\nover = 0.05 s\nat 0.01 s arm force amplitude=%d N frequency=225 Hz\nexpect touchdowns == 5\n" % (i + 1), name)
+    write("fresh/again", "a file of somebody\n")
+    here = dict(env=shell, cwd=path("fresh"), capture_output=True, text=True)
+    for turn in range(2):
+        r = subprocess.run([program, "test", *(f.partition("/")[2] for f in folders)], **here)
+        for line in re.findall("again: (contactplant .*)", r.stdout):
+            subprocess.run(line, shell=True, **here)
+    logs = sorted(os.path.join(d, f) for d, _, files in os.walk(path("fresh")) for f in files if f.endswith(".log"))
+    verdict("the commands of two files of one name, twice: no record is written over, nor a file of that name", len(logs) == 4 and read("fresh/again") == b"a file of somebody\n" and
+            len({open(x, "rb").read() for x in logs}) == 2, logs)
     page = "it's $(touch page.was.here)"
     test("plain.test", "--case", "plain", "--report", page)
     command = json.loads(re.search(rb'id="data">\s*(\{.*\})\s*</script>', read(page), re.S).group(1))["command"]
