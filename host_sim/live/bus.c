@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 const struct option bus_options[] = {
     {"bus", "BUS",
@@ -73,7 +74,8 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
 static bool open_memory(struct bus *b, const char *path, char *why)
 {
     char clash[FILES_REASON];
-    if (*path && !files_take("bus", path, false, clash))
+    struct stat there; /* of what is there, also a link that a killed plant left, memory_open tells */
+    if (*path && lstat(path, &there) && !files_take("bus", path, false, clash))
         return refuse_bus(why, clash);
     const char *reason = memory_open(&b->memory, *path ? path : NULL);
     if (reason)

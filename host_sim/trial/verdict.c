@@ -142,6 +142,11 @@ int verdict_open_record(const struct bench_setting *s, const struct bench_result
     return -1;
 }
 
+const char *verdict_record_place(const struct bench_setting *s)
+{
+    return s->log ? "--log" : "TMPDIR";
+}
+
 /* A signal that is compared comes from the controller alone. */
 static bool needs_commands(const struct trial_case *c)
 {

@@ -31,6 +31,9 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
  * returned is closed (else -1). Whatever ends the run, nothing is left. */
 int verdict_open_record(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH]);
 
+/* The option, or else the variable, that says where the record is. */
+const char *verdict_record_place(const struct bench_setting *s);
+
 /* Compares the record with the case's golden log, if it has one; `zero`: the tick where the case began. In
  * real time rows may be missing, and `deaf`: the controller is not heard. An outcome more in *r. */
 void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,

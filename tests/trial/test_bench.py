@@ -272,6 +272,8 @@ def test_golden():
         r = test(*arguments)
         verdict("a missing golden log or another output: %s is refused, and nothing is made" % " ".join(arguments), r.returncode == 2 and r.stderr.count("\n") == 1 and
                 not os.path.exists(path("g/g.shaken.log")) and os.listdir(path("new")) == ["w.test"], r.stdout + r.stderr)
+    r = test("g/g.test", env=dict(os.environ, TMPDIR="/no/such/folder"))
+    verdict("no folder for what is compared with a golden log: TMPDIR is named", r.returncode == 3 and "TMPDIR: cannot write /no/such/folder/" in r.stdout, r.stdout)
     r = test("g/g.test", "--log", "no/such/folder")
     verdict("a folder in no folder: refused", r.returncode == 2 and not r.stdout, r.stderr)
     file_of(None, case % ("golden = made/m.shaken.log\n", 3), "m.test")

@@ -103,7 +103,7 @@ static bool open_bus(struct bench *b)
     snprintf(b->r->log, sizeof b->r->log, "%s", b->s->log ? b->record : "");
     return bus_record(&b->bus, b->record, 0, why)
                ? true
-               : controller_fail(b->r, "--log: cannot write %.400s%s", b->record, "");
+               : controller_fail(b->r, "%s: cannot write %.400s", verdict_record_place(b->s), b->record);
 }
 
 /* ---- the run ---- */
@@ -175,7 +175,7 @@ static void end_record(struct bench *b)
 {
     char why[BUS_REASON];
     if (!bus_end_record(&b->bus, why) && b->r->verdict != VERDICT_ERROR)
-        controller_fail(b->r, "--log: %s%s", why, "");
+        controller_fail(b->r, "%s: %s", verdict_record_place(b->s), why);
     b->plant.scene.app.hal = &b->bus.hal;
 }
 

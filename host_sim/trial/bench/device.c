@@ -107,7 +107,7 @@ static bool open_bus(struct device *d)
         d->record_file = verdict_open_record(d->s, d->r, d->record);
         snprintf(d->r->log, sizeof d->r->log, "%s", d->s->log ? d->record : "");
         if (!bus_record(&d->bus, d->record, 0, why))
-            return controller_fail(d->r, "--log: cannot write %.400s%s", d->record, "");
+            return controller_fail(d->r, "%s: cannot write %.400s", verdict_record_place(d->s), d->record);
         d->bus.log.listens = true;
     }
     snprintf(d->at.plant, sizeof d->at.plant, "%s", d->s->plant);
@@ -435,7 +435,7 @@ void device_run(const struct bench_setting *s, struct bench_result *r)
             measure(&d);
         let_go(&d);
         if (!bus_end_record(&d.bus, why) && r->verdict != VERDICT_ERROR)
-            controller_fail(r, "--log: %s%s", why, "");
+            controller_fail(r, "%s: %s", verdict_record_place(s), why);
         verdict_compare(s, &d.twin.scene, d.record, d.wire.zero, !d.at.can, r);
     }
     r->plant_s = fmin(d.wire.now_s, d.c->over_s);
