@@ -74,7 +74,7 @@ static bool open_can(struct bus *b, const char *interface, const struct wire_sce
 static bool open_memory(struct bus *b, const char *path, char *why)
 {
     char clash[FILES_REASON];
-    struct stat there; /* of what is there, also a link that a killed plant left, memory_open tells */
+    struct stat there; /* memory_open refuses it, also a link that a killed plant left */
     if (*path && lstat(path, &there) && !files_take("bus", path, false, clash))
         return refuse_bus(why, clash);
     const char *reason = memory_open(&b->memory, *path ? path : NULL);

@@ -11,8 +11,8 @@ void record_name_cases(struct trial *const *trial, int n);
 /* The case whose golden log is the file at this path, or will be; NULL: none. */
 const struct trial_case *record_of_golden(const struct trial *t, const char *path);
 
-/* A folder for --log in which nothing of this test is written over: none of its golden logs is there, no
- * record of a test of this name, and none of another file of this name that fails beside it. */
+/* A folder for --log in which nothing is written over. It has none of the golden logs of this test and no
+ * record of a test of this name. Another file of this name that fails beside it gets another folder. */
 const char *record_safe_folder(const struct trial *t, char text[TRIAL_RECORD]);
 
 #endif
