@@ -21,6 +21,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include "models/lanes.h"
 #include "models/model.h"
 
 /* Tolerances that a method may be asked for, relative to the size of the motion. Below the least one
@@ -107,10 +108,14 @@ struct phasor {
 /* Quiet ticks, one after the other: inputs that only run on, and no command between two of them. Tick k goes
  * from x[k] to x[k + 1], with its inputs at[2 k] at its begin, at[2 k + 1] in its middle and at[2 k + 2] at
  * its end. */
+#if TICK_LANES > 1
 enum {
     BLOCK_TICKS = 8,   /* a multiple of the next */
     BLOCK_TOGETHER = 2 /* ticks that are turned, moved and booked in one go */
 };
+#else
+enum { BLOCK_TICKS = 2, BLOCK_TOGETHER = 1 }; /* nothing is gained by more: so a board's stack stays small */
+#endif
 struct method_block {
     double length;   /* model time of each */
     unsigned active; /* as in struct segment; the inputs of the others are 0 */

@@ -118,25 +118,6 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
     return STEP_END;
 }
 
-/* The state stays in registers from tick to tick. */
-ALWAYS_INLINE uint32_t run(struct inlined m, const double *p, const struct method_block *b,
-                           const struct input (*at)[MODEL_INPUTS], double (*to)[MODEL_STATES], uint32_t n)
-{
-    double x[MODEL_STATES], x1[MODEL_STATES], h = b->length;
-    unsigned regime = b->regime;
-    for (int i = 0; i < m.n; i++)
-        x[i] = to[0][i];
-    for (uint32_t k = 0; k < n; k++, at += 2) {
-        advance(m, p, h, at, x, x1);
-        if (!inside(x1, m.n, METHOD_STATE_LIMIT) || suspected(m, p, h, at, regime, x, x1))
-            return k;
-        to++;
-        for (int i = 0; i < m.n; i++)
-            to[0][i] = x[i] = x1[i];
-    }
-    return n;
-}
-
 /* Any model, through its pointers. */
 static enum step_status step_general(const struct model *m, const double *p, double *scratch,
                                      const struct segment *e, unsigned regime, double *x, struct crossing *c)
@@ -144,17 +125,7 @@ static enum step_status step_general(const struct model *m, const double *p, dou
     return step(through_pointers(m), m, p, scratch, e, regime, x, c);
 }
 
-static uint32_t run_general(const struct model *m, const double *p, double *scratch,
-                            const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
-                            double (*x)[MODEL_STATES], uint32_t n)
-{
-    (void)scratch;
-    return run(through_pointers(m), p, b, at, x, n);
-}
-
-#define DECLARE(name, ...)                                                                                   \
-    static step_function step_##name;                                                                        \
-    static run_function run_##name;
+#define DECLARE(name, ...) static step_function step_##name;
 INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
@@ -174,6 +145,48 @@ INSTANCES(DECLARE)
     }
 INSTANCES(STEP)
 
+static step_function *bind(const struct model *m)
+{
+#define BIND(name, for_models, ...)                                                                          \
+    if (for_models)                                                                                          \
+        return step_##name;
+    INSTANCES(BIND)
+    return step_general;
+}
+
+/* Several ticks in one call need a second copy of each row. A board without vector registers has no room for
+ * it; there all ticks are single steps. */
+#if TICK_LANES > 1
+/* The state stays in registers from tick to tick. */
+ALWAYS_INLINE uint32_t run(struct inlined m, const double *p, const struct method_block *b,
+                           const struct input (*at)[MODEL_INPUTS], double (*to)[MODEL_STATES], uint32_t n)
+{
+    double x[MODEL_STATES], x1[MODEL_STATES], h = b->length;
+    unsigned regime = b->regime;
+    for (int i = 0; i < m.n; i++)
+        x[i] = to[0][i];
+    for (uint32_t k = 0; k < n; k++, at += 2) {
+        advance(m, p, h, at, x, x1);
+        if (!inside(x1, m.n, METHOD_STATE_LIMIT) || suspected(m, p, h, at, regime, x, x1))
+            return k;
+        to++;
+        for (int i = 0; i < m.n; i++)
+            to[0][i] = x[i] = x1[i];
+    }
+    return n;
+}
+
+static uint32_t run_general(const struct model *m, const double *p, double *scratch,
+                            const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                            double (*x)[MODEL_STATES], uint32_t n)
+{
+    (void)scratch;
+    return run(through_pointers(m), p, b, at, x, n);
+}
+
+#define DECLARE_RUN(name, ...) static run_function run_##name;
+INSTANCES(DECLARE_RUN)
+
 #undef JUMP
 #define JUMP(row, when)                                                                                      \
     if (when)                                                                                                \
@@ -191,15 +204,6 @@ INSTANCES(STEP)
     }
 INSTANCES(RUN)
 
-static step_function *bind(const struct model *m)
-{
-#define BIND(name, for_models, ...)                                                                          \
-    if (for_models)                                                                                          \
-        return step_##name;
-    INSTANCES(BIND)
-    return step_general;
-}
-
 static run_function *bind_run(const struct model *m)
 {
 #define BIND_RUN(name, for_models, ...)                                                                      \
@@ -208,6 +212,13 @@ static run_function *bind_run(const struct model *m)
     INSTANCES(BIND_RUN)
     return run_general;
 }
+#else
+static run_function *bind_run(const struct model *m)
+{
+    (void)m;
+    return NULL;
+}
+#endif
 
 static size_t n_scratch(const struct model *m)
 {

@@ -195,27 +195,34 @@ static double piece_general(struct ledger *l, const double *p, const struct segm
     return one_general(l, p, &e->at[1], x0, x1);
 }
 
-static double ticks_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
-                            const double (*x)[MODEL_STATES], uint32_t n)
+typedef double one_function(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                            const double *x0, const double *x1);
+
+ALWAYS_INLINE double one_by_one(one_function *one, struct ledger *l, const double *p,
+                                const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
+                                uint32_t n)
 {
     double force = 0.0;
     for (uint32_t k = 0; k < n; k++)
-        force = larger(force, one_general(l, p, &at[2 * k + 1], x[k], x[k + 1]));
+        force = larger(force, one(l, p, &at[2 * k + 1], x[k], x[k + 1]));
     return force;
 }
 
-/* Ticks of a block. A last one alone is rare. */
-ALWAYS_INLINE double ticks(struct inlined m, struct ledger *l, const double *p,
-                           const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
-                           uint32_t n)
+static double ticks_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                            const double (*x)[MODEL_STATES], uint32_t n)
 {
-    double force = 0.0;
-    if (TICK_LANES > 1 && m.lanes)
-        return n == TICK_LANES ? side_by_side(m, l, p, at + 1, x[0], x[1]) : ticks_general(l, p, at, x, n);
-    for (uint32_t k = 0; k < n; k++)
-        force = larger(force, one_piece(m, l, p, &at[2 * k + 1], x[k], x[k + 1]));
-    return force;
+    return one_by_one(one_general, l, p, at, x, n);
 }
+
+#if TICK_LANES > 1
+/* Ticks of a block. A last one alone is rare. */
+#define TICKS_OF(name, states, n_inputs, flow, wide)                                                         \
+    (n == TICK_LANES                                                                                         \
+         ? side_by_side((struct inlined){states, n_inputs, flow, wide}, l, p, at + 1, x[0], x[1])            \
+         : ticks_general(l, p, at, x, n))
+#else
+#define TICKS_OF(name, states, n_inputs, flow, wide) one_by_one(one_##name, l, p, at, x, n)
+#endif
 
 #define DECLARE(name, ...)                                                                                   \
     static ledger_function piece_##name;                                                                     \
@@ -226,15 +233,34 @@ INSTANCES(DECLARE)
     if (when)                                                                                                \
         return piece_##row(l, p, e, x0, x1);
 
-/* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
-#define PIECE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                     \
+/* One function per row. A jump to another one costs no more than that: the arguments stay in their places.
+ * Without lanes pieces and ticks share a copy of the row, for room. */
+#if TICK_LANES > 1
+#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                       \
+    ALWAYS_INLINE double one_##name(struct ledger *l, const double *p,                                       \
+                                    const struct input(*at)[MODEL_INPUTS], const double *x0,                 \
+                                    const double *x1)                                                        \
+    {                                                                                                        \
+        return one_piece((struct inlined){states, n_inputs, flow, wide}, l, p, at, x0, x1);                  \
+    }
+#else
+#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                       \
+    NEVER_INLINE double one_##name(struct ledger *l, const double *p, const struct input(*at)[MODEL_INPUTS], \
+                                   const double *x0, const double *x1)                                       \
+    {                                                                                                        \
+        return one_piece((struct inlined){states, n_inputs, flow, wide}, l, p, at, x0, x1);                  \
+    }
+#endif
+INSTANCES(ONE)
+
+#define PIECE(name, for_models, jumps, ...)                                                                  \
     CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct segment *e,     \
                                              const double *x0, const double *x1)                             \
     {                                                                                                        \
         unsigned active = e->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return one_piece((struct inlined){states, n_inputs, flow, wide}, l, p, &e->at[1], x0, x1);           \
+        return one_##name(l, p, &e->at[1], x0, x1);                                                          \
     }
 INSTANCES(PIECE)
 
@@ -251,7 +277,7 @@ INSTANCES(PIECE)
         unsigned active = l->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return ticks((struct inlined){states, n_inputs, flow, wide}, l, p, at, x, n);                        \
+        return TICKS_OF(name, states, n_inputs, flow, wide);                                                 \
     }
 INSTANCES(TICKS)
 
