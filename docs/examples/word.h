@@ -3,7 +3,7 @@
  *
  * A wait sends what was said since the last one, an empty packet where that is nothing, and takes the
  * whole answer. Usage: PROGRAM PLANT ME RATE SUBSTEPS [MEMORY], as `command = ./PROGRAM {plant} {me} {rate}
- * {substeps} {memory}` fills in. Without MEMORY it speaks UDP. */
+ * {substeps} {memory}` fills in. Without MEMORY it speaks UDP, also to a plant in real time. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* syscall */
 #endif
@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <linux/futex.h>
 #include <math.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +27,8 @@ enum {
     WORD_WHOLE = 1388, /* a shorter packet ends a bus frame */
     WORD_SLOTS = 32,   /* packets that a ring of the memory holds */
     WORD_LOOKS = 1000, /* into the memory before a sleep: some 20 us */
-    WORD_PATIENCE_S = 10
+    WORD_PATIENCE_S = 10,
+    WORD_REALTIME_MS = 100 /* in which a plant in real time speaks */
 };
 
 /* A ring of packets with one writer and one reader: slot i % WORD_SLOTS has packet i. */
@@ -45,6 +47,8 @@ static struct word_memory {
 static struct contactplant_frame word_in[4096], word_out[WORD_FRAMES];
 static int word_socket, word_n_in, word_next_in, word_n_out;
 static unsigned long word_substeps;
+static int word_realtime; /* the plant does not wait: a sample needs frames of lead */
+static int word_behind;   /* newer frames wait already, so an answer to this one would be late */
 static double word_rate_Hz;
 
 static int word_receive(void *unused, struct contactplant_frame *frame)
@@ -128,6 +132,13 @@ static void word_put(const uint8_t *packet, size_t n)
         syscall(SYS_futex, &r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
 }
 
+/* Something comes within that time, over UDP. */
+static int word_hears(int milliseconds)
+{
+    struct pollfd socket = {.fd = word_socket, .events = POLLIN};
+    return !word_memory && poll(&socket, 1, milliseconds) > 0;
+}
+
 /* One bus frame. A plant that is not up yet refuses the word; it is said again. One that has answered and
  * refuses has ended. */
 static double word_wait(void *unused, double seconds)
@@ -135,7 +146,7 @@ static double word_wait(void *unused, double seconds)
     static uint8_t sequence, packet[2048];
     static int answered;
     ssize_t n;
-    int taken = 0;
+    int taken = 0, silent = word_behind && !word_n_out;
     (void)unused, (void)seconds;
     size_t size = contactplant_pack(sequence++, word_out, word_n_out, packet, &taken);
     memmove(word_out, word_out + taken, (size_t)(word_n_out -= taken) * sizeof *word_out);
@@ -143,7 +154,7 @@ static double word_wait(void *unused, double seconds)
     do {
         if (word_memory)
             word_put(packet, size);
-        else
+        else if (!silent)
             (void)!send(word_socket, packet, size, 0);
         n = word_packet(packet, sizeof packet);
     } while (n < 0 && errno == ECONNREFUSED && !answered && !usleep(10000));
@@ -152,6 +163,7 @@ static double word_wait(void *unused, double seconds)
         int got = contactplant_unpack(packet, (size_t)n, word_in + word_n_in, 4096 - word_n_in);
         word_n_in += got > 0 ? got : 0;
     }
+    word_behind = word_realtime && word_hears(0);
     return n == -2 ? 1.0 / word_rate_Hz : -1.0; /* time is bus frames; silence ends the wait */
 }
 
@@ -231,6 +243,7 @@ static struct contactplant_client *word_begin(int argc, char **argv)
         contactplant_client_heartbeat(c);
     }
     word_must(!status, "the plant does not start");
+    word_realtime = word_hears(WORD_REALTIME_MS + (int)(2000.0 / word_rate_Hz)); /* in lockstep it waits */
     return c;
 }
 
@@ -241,7 +254,8 @@ static int word_next(struct contactplant_client *c, struct contactplant_latest *
     int status;
     contactplant_client_latest(c, now, sizeof *now);
     do {
-        contactplant_client_heartbeat(c);
+        if (!word_behind) /* an old frame's heartbeat would be refused */
+            contactplant_client_heartbeat(c);
         status = contactplant_client_wait(c, CONTACTPLANT_WAIT_CONTACT, now->contact_tick + 1, 1.0);
         contactplant_client_latest(c, now, sizeof *now);
     } while (!status && now->session && isnan(now->displacement_m));

@@ -60,12 +60,24 @@ static void send_sync(struct telemetry *t, const struct app *a)
     send_values(t, a, WIRE_SYNC, (double)(uint16_t)a->frame, (double)(uint32_t)a->plant.now.tick, 0.0);
 }
 
-/* MOTION and CONTACT as they are due, and before them the SYNC that dates them. */
+/* Sends the sampled command of each input, as it is at the end of the plant frame that has passed. */
+static void send_samples(struct telemetry *t, const struct app *a)
+{
+    const struct plant *pl = &a->plant;
+    double frame = (double)(uint16_t)(a->sensor.frame - 1);
+    for (int i = 0; i < pl->model->n_inputs; i++) {
+        double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity);
+        send_values(t, a, WIRE_STREAM_ECHO + (unsigned)i, frame, pl->drive[i].sample * unit, 0.0);
+    }
+}
+
+/* MOTION, CONTACT and STREAM_ECHO as they are due, and before them the SYNC that dates them. */
 static void send_motion(struct telemetry *t, const struct app *a, uint32_t advanced)
 {
     bool motion = falls(a->sensor.frame, advanced, (uint64_t)a->setting[SET_MOTION_EVERY]);
     bool contact = falls(a->sensor.frame, advanced, (uint64_t)a->setting[SET_CONTACT_EVERY]);
-    if (motion || contact || due(a, SET_SYNC_EVERY) || (advanced > 0 && a->state == STATE_PAUSED))
+    bool samples = falls(a->sensor.frame, advanced, (uint64_t)a->setting[SET_STREAM_ECHO_EVERY]);
+    if (motion || contact || samples || due(a, SET_SYNC_EVERY) || (advanced > 0 && a->state == STATE_PAUSED))
         send_sync(t, a);
     for (int pair = 0; pair < 2; pair++) {
         struct message m = {.kind = (uint8_t)(WIRE_MOTION + pair)};
@@ -76,6 +88,8 @@ static void send_motion(struct telemetry *t, const struct app *a, uint32_t advan
         m.value[MOTION_VELOCITY] = sensor_read(&a->sensor, a->setting, 2 * pair + 1, &t->said[2 * pair + 1]);
         telemetry_send(t, a, &m);
     }
+    if (samples)
+        send_samples(t, a);
 }
 
 /* The codes that the ADCs read in the last frame, while blocks of codes come for the DACs. */

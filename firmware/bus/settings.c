@@ -153,6 +153,7 @@ const struct parameter setting_table[SETTINGS] = {
     STAGE(1),
     STAGE(2),
     STAGE(3),
+    [SET_STREAM_ECHO_EVERY] = EVERY("stream_echo_every", 0, "STREAM_ECHO"),
 };
 
 /* The frames of so many seconds, `least` at least, as far as setting i goes. */
@@ -180,7 +181,7 @@ bool setting_accepts(int i, double value)
     const struct parameter *s = &setting_table[i];
     bool whole =
         i != SET_REACTION_RAMP_S && i != SET_LEDGER_ALARM && (i < SET_SENSOR_OFFSET || i >= SET_SENSOR_DELAY);
-    if (i >= SET_STAGE)
+    if (i >= SET_STAGE && i < SET_STREAM_ECHO_EVERY)
         whole = (i - SET_STAGE) % STAGE_SETTINGS == STAGE_AT;
 
     if (!(value >= s->min && value <= s->max))

@@ -57,7 +57,8 @@ enum wire_kind {
     WIRE_INFO = 0x21,
     WIRE_SELF_TEST = 0x22,
     WIRE_WATCH = 0x23,
-    WIRE_ADC = 0x24
+    WIRE_ADC = 0x24,
+    WIRE_STREAM_ECHO = 0x25 /* .. 0x28, one per input */
 };
 
 /* Field indices of each message, in the order of the table. SESSION is field 0 of every command, STATUS
@@ -94,6 +95,7 @@ enum { INFO_ITEM, INFO_VALUE };
 enum { SELF_TEST_ITEM, SELF_TEST_VERDICT, SELF_TEST_VALUE };
 enum { WATCH_OBSERVABLE, WATCH_TICK, WATCH_VALUE };
 enum { ADC_TICK, ADC_DEFLECTION, ADC_Z_SENSOR };
+enum { STREAM_ECHO_FRAME, STREAM_ECHO_SAMPLE };
 
 /* Values of enumerated fields. */
 enum control_operation {
@@ -275,9 +277,15 @@ uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
 /* The CRC-32 over the 5 bytes of one entry: the index, then the value as float32, little endian. */
 uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value);
 
-/* The layout of a kind (any number), or NULL where there is no such message. STREAM and ARM have one
- * layout for their four kinds. */
+/* The layout of a kind (any number), or NULL where there is no such message. STREAM, ARM and STREAM_ECHO have
+ * one layout for their four kinds. */
 const struct message_layout *wire_layout(unsigned kind);
+
+/* The layout is that of a message for each input, whose number is a kind's distance from the layout's. */
+static inline bool wire_is_of_input(const struct message_layout *l)
+{
+    return l->kind == WIRE_STREAM || l->kind == WIRE_ARM || l->kind == WIRE_STREAM_ECHO;
+}
 
 /* The size of one unit of a field's number, in the field's unit: value = number * factor. */
 double wire_factor(const struct wire_scene *s, enum field_scale scale);

@@ -296,6 +296,14 @@ static const struct message_layout layout[] = {
                            "tick"),
                    CODE("DEFLECTION", "code of the lever's sensor", 32),
                    CODE("Z_SENSOR", "code of the sensor of z", 48)}},
+    [WIRE_STREAM_ECHO] = {"STREAM_ECHO",
+                          "the sample of an input that acts in a plant frame",
+                          WIRE_STREAM_ECHO,
+                          false,
+                          2,
+                          {INTEGER("FRAME", "plant frame in which it acts, low 16 bits", 16, 16, NAMES_NONE,
+                                   "frame"),
+                           FLOAT("SAMPLE", "value of the input at the end of that frame", 32, "")}},
 };
 
 const struct message_layout *wire_layout(unsigned kind)
@@ -306,6 +314,8 @@ const struct message_layout *wire_layout(unsigned kind)
         first = WIRE_STREAM;
     if (kind >= WIRE_ARM && kind < WIRE_ARM + MODEL_INPUTS)
         first = WIRE_ARM;
+    if (kind >= WIRE_STREAM_ECHO && kind < WIRE_STREAM_ECHO + MODEL_INPUTS)
+        first = WIRE_STREAM_ECHO;
     if (first >= sizeof layout / sizeof layout[0] || layout[first].name == NULL)
         return NULL;
     return &layout[first];

@@ -206,7 +206,7 @@ static void print_comments(FILE *out, const struct dbc_scene *s, unsigned kind)
     const struct message_layout *l = wire_layout(kind);
     struct dbc_signal g[DBC_SIGNALS];
     int n = signals_of(s, kind, g);
-    bool of_input = l->kind == WIRE_STREAM || l->kind == WIRE_ARM;
+    bool of_input = wire_is_of_input(l);
 
     fprintf(out, "CM_ BO_ %lu \"%s%s%s\";\n", dbc_id(s, kind), l->meaning, of_input ? "; input " : "",
             of_input ? s->model->input_signal[kind - l->kind].name : "");

@@ -121,8 +121,10 @@ static const struct list lists[] = {
     [NAMES_VERDICT] = {verdict, COUNT(verdict)},
 };
 
-static const char *const numbered[2][MODEL_INPUTS] = {{"STREAM_0", "STREAM_1", "STREAM_2", "STREAM_3"},
-                                                      {"ARM_0", "ARM_1", "ARM_2", "ARM_3"}};
+static const char *const stream[MODEL_INPUTS] = {"STREAM_0", "STREAM_1", "STREAM_2", "STREAM_3"};
+static const char *const arm_of[MODEL_INPUTS] = {"ARM_0", "ARM_1", "ARM_2", "ARM_3"};
+static const char *const stream_echo[MODEL_INPUTS] = {"STREAM_ECHO_0", "STREAM_ECHO_1", "STREAM_ECHO_2",
+                                                      "STREAM_ECHO_3"};
 
 const char *names_kind(unsigned kind)
 {
@@ -130,11 +132,9 @@ const char *names_kind(unsigned kind)
 
     if (l == NULL)
         return NULL;
-    if (l->kind == WIRE_STREAM)
-        return numbered[0][kind - WIRE_STREAM];
-    if (l->kind == WIRE_ARM)
-        return numbered[1][kind - WIRE_ARM];
-    return l->name;
+    if (!wire_is_of_input(l))
+        return l->name;
+    return (l->kind == WIRE_STREAM ? stream : l->kind == WIRE_ARM ? arm_of : stream_echo)[kind - l->kind];
 }
 
 int names_find_kind(const char *name)
@@ -264,8 +264,9 @@ const char *names_unit(const struct model *m, const struct message *msg, int fie
     int by = names_multiplexer(l);
     struct named n;
 
-    if (l->kind == WIRE_STREAM && field == STREAM_SAMPLE)
-        return input_unit(m, msg->kind - WIRE_STREAM);
+    if ((l->kind == WIRE_STREAM && field == STREAM_SAMPLE) ||
+        (l->kind == WIRE_STREAM_ECHO && field == STREAM_ECHO_SAMPLE))
+        return input_unit(m, (unsigned)(msg->kind - l->kind));
     if (by < 0 || field != l->n_fields - 1)
         return l->field[field].unit;
     if (!names_get(m, l->field[by].names, index_of(msg->value[by]), &n))

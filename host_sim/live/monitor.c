@@ -109,7 +109,7 @@ static void print_rows(const struct monitor *k, const struct message *m, const s
 /* The message says nothing that depends on model, LSBs, dilation or settings. */
 static bool is_plain(const struct message_layout *l)
 {
-    if (l->kind == WIRE_STREAM || l->kind == WIRE_ARM || l->kind == WIRE_LOCKIN)
+    if (wire_is_of_input(l) || l->kind == WIRE_LOCKIN)
         return false; /* the unit is an input's, the output a setting's */
     for (int i = 0; i < l->n_fields; i++) {
         const struct field *f = &l->field[i];

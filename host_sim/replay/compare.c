@@ -84,14 +84,29 @@ static bool open_side(struct side *s, const struct compare *c, int i, char *text
     return !reason;
 }
 
+/* The bus did not bring it. */
+static bool is_gap(const struct decode_row *r, int i)
+{
+    if (i < DECODE_OUTPUTS)
+        return !r->said[i / 2];
+    return isnan(r->value[i]) && r->echoed >> (i - DECODE_OUTPUTS) & 1u;
+}
+
+/* Where the plant tells its commands, one without a sample yet is 0. */
+static double value_of(const struct compare *c, const struct decode_row *r, int i)
+{
+    return c->gaps && i >= DECODE_OUTPUTS && isnan(r->value[i]) ? 0.0 : r->value[i];
+}
+
 /* The signal of these rows that leaves its tolerance, or -1. A value that only one of them has is outside. */
 static int outside(const struct compare *c, const struct decode_row *a, const struct decode_row *b)
 {
     for (int i = 0; i < decode_signals(c->scene->config.model); i++) {
-        bool neither = isnan(a->value[i]) && isnan(b->value[i]);
-        if (c->gaps && i < DECODE_OUTPUTS && !(a->said[i / 2] && b->said[i / 2]))
+        double x = value_of(c, a, i), y = value_of(c, b, i);
+        bool neither = isnan(x) && isnan(y);
+        if (c->gaps && (is_gap(a, i) || is_gap(b, i)))
             continue;
-        if (!isnan(c->tolerance[i]) && !neither && !(fabs(a->value[i] - b->value[i]) <= c->tolerance[i]))
+        if (!isnan(c->tolerance[i]) && !neither && !(fabs(x - y) <= c->tolerance[i]))
             return i;
     }
     return -1;

@@ -37,10 +37,15 @@ static uint64_t extend(uint64_t last, double low, int bits)
 
 /* ---- missing frames ---- */
 
-/* SYNC, MOTION and CONTACT come at a steady pace. */
+static bool is_echo(unsigned kind)
+{
+    return kind >= WIRE_STREAM_ECHO && kind < WIRE_STREAM_ECHO + MODEL_INPUTS;
+}
+
+/* SYNC, MOTION, CONTACT and STREAM_ECHO come at a steady pace. */
 static bool is_steady(unsigned kind)
 {
-    return kind == WIRE_SYNC || kind == WIRE_MOTION || kind == WIRE_CONTACT;
+    return kind == WIRE_SYNC || kind == WIRE_MOTION || kind == WIRE_CONTACT || is_echo(kind);
 }
 
 /* Frames from the last one of this kind to one in this bus frame, at this tick. The plant's frames count
@@ -71,8 +76,9 @@ static void note_pace(struct decode *d, const struct message *m)
     bool other = m->kind == WIRE_STATUS && (int)m->value[STATUS_STATE] != d->row.state;
     if (!other && m->kind != WIRE_OVERRUN && m->kind != WIRE_PARAM_ECHO)
         return;
-    d->counter[WIRE_SYNC].every = -1.0;
-    d->counter[WIRE_MOTION].every = d->counter[WIRE_CONTACT].every = -1.0;
+    for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
+        if (is_steady(kind))
+            d->counter[kind].every = -1.0;
 }
 
 /* A message of the plant in this bus frame, at this tick. Frames missing before it; -1: it is none newer. */
@@ -136,6 +142,9 @@ static void begin_row(struct decode *d, uint64_t frame, uint64_t tick)
     d->row.t_s = (double)tick * d->tick_s;
     d->begun = true;
     memset(d->pair, 0, sizeof d->pair);
+    for (int i = 0; i < MODEL_INPUTS; i++)
+        if (d->row.echoed >> i & 1u)
+            d->row.value[DECODE_OUTPUTS + i] = (double)NAN;
 }
 
 enum { OVERTAKEN = 256 }; /* frames that a late SYNC may be behind the newest one */
@@ -193,6 +202,25 @@ static void hear_pair(struct decode *d, const struct message *m, int i, int64_t 
     take_output(&d->row, 2 * i + 1, m->value[MOTION_VELOCITY]);
 }
 
+/* A sample on its way to input i. */
+static void hear_sample(struct decode *d, int i, double value)
+{
+    d->row.value[DECODE_OUTPUTS + i] = value;
+    d->row.echoed &= ~(1u << i);
+    d->streamed |= 1u << i;
+}
+
+/* The sample that the plant took, where nobody else tells it. */
+static void hear_echo(struct decode *d, const struct message *m, int i)
+{
+    uint64_t frame = d->row.tick / (d->scene.substeps ? d->scene.substeps : 1);
+    if (d->streamed >> i & 1u)
+        return;
+    d->row.echoed |= 1u << i;
+    if ((uint16_t)(frame - 1) == (uint16_t)m->value[STREAM_ECHO_FRAME])
+        d->row.value[DECODE_OUTPUTS + i] = m->value[STREAM_ECHO_SAMPLE];
+}
+
 static void tell_event(struct decode *d)
 {
     if (d->event_waits && d->heard)
@@ -230,13 +258,15 @@ static void hear(struct decode *d, const struct message *m)
     log_tally_hear(&d->tally, m);
     if (m->kind < WIRE_COMMANDS) {
         if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
-            d->row.value[DECODE_OUTPUTS + m->kind - WIRE_STREAM] = m->value[STREAM_SAMPLE];
+            hear_sample(d, m->kind - WIRE_STREAM, m->value[STREAM_SAMPLE]);
         return;
     }
     note_pace(d, m);
     int64_t missing = note_counter(d, m, d->row.frame, d->row.tick);
     if (m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT)
         hear_pair(d, m, m->kind - WIRE_MOTION, missing);
+    else if (is_echo(m->kind))
+        hear_echo(d, m, m->kind - WIRE_STREAM_ECHO);
     else if (m->kind == WIRE_EVENT_TIME || m->kind == WIRE_EVENT_DATA)
         hear_event(d, m);
     else if (m->kind == WIRE_STATUS)

@@ -1,7 +1,8 @@
 /* decode_rows.h - a recorded log as rows in SI, one for each SYNC, and its contact events.
  *
  * A row has what was said of its own tick. MOTION and CONTACT belong to the SYNC before them. Where COUNTERs
- * tell that frames are missing between, so that they may be a later tick's, the row is without them. */
+ * tell that frames are missing between, so that they may be a later tick's, the row is without them.
+ * STREAM_ECHO names its frame. */
 #ifndef HOST_SIM_DECODE_ROWS_H
 #define HOST_SIM_DECODE_ROWS_H
 
@@ -18,16 +19,19 @@ enum {
 };
 
 struct decode_row {
-    uint64_t frame, tick;         /* bus frame, low 16 bits extended; plant tick */
-    unsigned run;                 /* how often plant time began anew before it */
-    double t_s;                   /* plant time */
-    int state;                    /* as of the last STATUS; -1: none came yet */
-    unsigned closed;              /* bit i: contact i is closed */
-    bool contact_known;           /* `closed` was said */
-    bool said[DECODE_PAIRS];      /* MOTION and CONTACT came for this tick */
-    bool due;                     /* one of them was due by its pace, and did not come */
-    unsigned beyond;              /* bit i: output i was said to be not available */
-    double value[DECODE_SIGNALS]; /* outputs, then the newest sample streamed to each input; NaN: not said */
+    uint64_t frame, tick;    /* bus frame, low 16 bits extended; plant tick */
+    unsigned run;            /* how often plant time began anew before it */
+    double t_s;              /* plant time */
+    int state;               /* as of the last STATUS; -1: none came yet */
+    unsigned closed;         /* bit i: contact i is closed */
+    bool contact_known;      /* `closed` was said */
+    bool said[DECODE_PAIRS]; /* MOTION and CONTACT came for this tick */
+    bool due;                /* one of them was due by its pace, and did not come */
+    unsigned beyond;         /* bit i: output i was said to be not available */
+    unsigned echoed;         /* bit i: samples of input i are those that the plant echoes */
+    /* Outputs, then the newest sample streamed to each input, or where no STREAM is heard, the plant's echo
+     * of the one that acted in the frame before the row. NaN: not said. */
+    double value[DECODE_SIGNALS];
 };
 
 struct decode_event {
@@ -57,6 +61,7 @@ struct decode {
     struct wire_scene scene;
     double tick_s;
     struct decode_row row; /* being read */
+    unsigned streamed;     /* bit i: STREAM to input i was heard */
     bool begun, ended;
     struct decode_counter counter[WIRE_KINDS];
     struct decode_pair pair[DECODE_PAIRS];

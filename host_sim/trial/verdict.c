@@ -187,7 +187,7 @@ void verdict_compare(const struct bench_setting *s, const struct scene_app *scen
     snprintf(o->text, sizeof o->text, "as golden = %.200s", c->golden);
     if (deaf && needs_commands(c)) {
         o->verdict = VERDICT_UNTESTED;
-        snprintf(text, sizeof text, "not judged: over UDP nobody but the plant hears the controller");
+        snprintf(text, sizeof text, "not judged: " VERDICT_DEAF);
     } else if (is_record(path, record)) {
         o->verdict = VERDICT_ERROR;
         snprintf(text, sizeof text, "there was no such log, and now it is that of this very run");

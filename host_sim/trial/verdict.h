@@ -34,8 +34,11 @@ int verdict_open_record(const struct bench_setting *s, const struct bench_result
 /* The option, or else the variable, that says where the record is. */
 const char *verdict_record_place(const struct bench_setting *s);
 
+/* Why commands are not judged where the controller is not heard and the plant does not echo its samples. */
+#define VERDICT_DEAF "over UDP only the plant hears the controller, and it does not echo samples"
+
 /* Compares the record with the case's golden log, if it has one; `zero`: the tick where the case began. In
- * real time rows may be missing, and `deaf`: the controller is not heard. An outcome more in *r. */
+ * real time rows may be missing, and `deaf`: commands are not told. An outcome more in *r. */
 void verdict_compare(const struct bench_setting *s, const struct scene_app *scene, const char *record,
                      uint64_t zero, bool deaf, struct bench_result *r);
 

@@ -115,7 +115,7 @@ static const char *scale_text(const struct field *d)
 static void print_message_table(const struct message_layout *l)
 {
     static const char *const kinds[] = {"uint", "int", "float"};
-    bool four = l->kind == WIRE_STREAM || l->kind == WIRE_ARM;
+    bool four = wire_is_of_input(l);
 
     printf("### 0x%02X%s %s%s: %s\n\n", l->kind, four ? "-" : "", l->name, four ? "_0.._3" : "", l->meaning);
     printf("| signal | first bit | type | unit | scale | meaning |\n|---|---|---|---|---|---|\n");

@@ -26,7 +26,7 @@ static bool has_sensor_faults(const struct trial_case *c)
 }
 
 static const char *signal_untold(const struct device_wire *w, const struct metric_setting *s,
-                                 const struct trial_case *c, bool can)
+                                 const struct trial_case *c)
 {
     const struct scene_app *a = &w->twin->scene;
     const struct model *m = a->config.model;
@@ -35,7 +35,7 @@ static const char *signal_untold(const struct device_wire *w, const struct metri
     if (metric_is_frequency(m, s->signal))
         return "the bus tells frequencies now and then only";
     if (s->signal >= m->n_outputs)
-        return can ? NULL : "over UDP nobody but the plant hears the controller";
+        return NULL;
     if (s->signal >= DECODE_OUTPUTS)
         return "the bus does not carry this output";
     if (has_sensor_faults(c))
@@ -46,7 +46,7 @@ static const char *signal_untold(const struct device_wire *w, const struct metri
 }
 
 static const char *untold(const struct device_wire *w, const struct metric_setting *s,
-                          const struct trial_case *c, bool can)
+                          const struct trial_case *c)
 {
     bool whole = !(s->from_s > 0.0) && s->to_s >= c->over_s;
     switch (metric_table[s->kind].of) {
@@ -54,7 +54,7 @@ static const char *untold(const struct device_wire *w, const struct metric_setti
         return NULL;
     case OF_SIGNAL:
     case OF_TARGET:
-        return signal_untold(w, s, c, can);
+        return signal_untold(w, s, c);
     default:
         break;
     }
@@ -66,13 +66,30 @@ static const char *untold(const struct device_wire *w, const struct metric_setti
     return counter && !whole ? "HEALTH tells counters too seldom for a window" : NULL;
 }
 
-void device_wire_begin(struct device_wire *w, const struct trial_case *c, bool can)
+void device_wire_begin(struct device_wire *w, const struct trial_case *c)
 {
     const struct app *a = &w->twin->scene.app;
     decode_begin(&w->rows, &a->scene, a->plant.tick_s);
     w->stopped_s = -1.0;
     for (int i = 0; i < w->twin->n; i++)
-        w->twin->measurement[i].untold = untold(w, &w->twin->measurement[i].set, c, can);
+        w->twin->measurement[i].untold = untold(w, &w->twin->measurement[i].set, c);
+}
+
+/* The input whose command this measurement is about, or -1. */
+static int command_of(const struct device_wire *w, const struct metric_setting *s)
+{
+    const struct model *m = w->twin->scene.config.model;
+    enum metric_of of = metric_table[s->kind].of;
+    bool is = (of == OF_SIGNAL || of == OF_TARGET) && s->signal >= m->n_outputs &&
+              !metric_is_frequency(m, s->signal);
+    return is ? s->signal - m->n_outputs : -1;
+}
+
+void device_wire_deafen(struct device_wire *w)
+{
+    for (int i = 0; i < w->twin->n; i++)
+        if (command_of(w, &w->twin->measurement[i].set) >= 0)
+            w->twin->measurement[i].untold = VERDICT_DEAF;
 }
 
 /* ---- hearing ---- */
@@ -115,6 +132,32 @@ static void take_event(void *context, const struct decode_event *d)
     }
 }
 
+/* Echoes that did not come in this row, or with rows since the one before: commands in whose windows they
+ * fall are not known whole. */
+static void note_echoes(struct device_wire *w, const struct decode_row *r)
+{
+    uint64_t before = w->row_tick > w->zero ? w->row_tick : w->zero;
+    bool rows = r->tick > before + w->twin->scene.config.substeps;
+    for (int k = 0; k < w->twin->n && r->tick > before; k++) {
+        struct measurement *q = &w->twin->measurement[k];
+        int input = command_of(w, &q->set);
+        if (input < 0 || q->untold || !(rows || isnan(r->value[DECODE_OUTPUTS + input])))
+            continue;
+        double from_s = (double)(before - w->zero) * q->tick_s,
+               to_s = (double)(r->tick - w->zero) * q->tick_s;
+        if (from_s < q->set.to_s && to_s >= q->set.from_s)
+            q->untold = "an echo of its samples is missing: lost on the way, or its frame was skipped";
+    }
+    w->row_tick = r->tick;
+}
+
+/* The last sample of input i; on CAN 0 before any was heard. */
+static double command_in(const struct device_wire *w, const struct decode_row *r, int i)
+{
+    double x = r->value[DECODE_OUTPUTS + i];
+    return isnan(x) && !w->echoes ? 0.0 : x;
+}
+
 static void take_row(struct device_wire *w, const struct decode_row *r)
 {
     struct bench_plant *p = w->twin;
@@ -127,7 +170,9 @@ static void take_row(struct device_wire *w, const struct decode_row *r)
     for (int i = 0; i < DECODE_OUTPUTS; i++)
         value[i] = r->value[i];
     for (int i = 0; i < m->n_inputs; i++)
-        value[m->n_outputs + i] = isnan(r->value[DECODE_OUTPUTS + i]) ? 0.0 : r->value[DECODE_OUTPUTS + i];
+        value[m->n_outputs + i] = command_in(w, r, i);
+    if (w->echoes)
+        note_echoes(w, r);
     w->now_s = (double)(r->tick - w->zero) * p->scene.app.plant.tick_s;
     for (int k = 0; k < p->n; k++) {
         struct measurement *q = &p->measurement[k];

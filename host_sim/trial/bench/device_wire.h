@@ -10,9 +10,11 @@
 struct device_wire {
     struct bench_plant *twin; /* the case's plant as the file has it: its measurements and names */
     struct decode rows;
-    bool measures; /* from the controller's start to the end of the case */
-    uint64_t zero; /* tick where the case begins */
-    double now_s;  /* plant time of the case */
+    bool measures;     /* from the controller's start to the end of the case */
+    uint64_t zero;     /* tick where the case begins */
+    double now_s;      /* plant time of the case */
+    bool echoes;       /* commands are those that the plant echoes */
+    uint64_t row_tick; /* tick of the last row */
     double stopped_s;
     bool was_in_session;
     unsigned faults;
@@ -34,8 +36,11 @@ struct device_wire {
 /* Takes each message that the client hears; `context` is the struct device_wire. */
 void device_wire_hear(void *context, const struct frame *f, const struct message *m);
 
-/* Names what this bus cannot tell; `can`: the controller's frames are heard, too. */
-void device_wire_begin(struct device_wire *w, const struct trial_case *c, bool can);
+/* Names what no bus can tell. */
+void device_wire_begin(struct device_wire *w, const struct trial_case *c);
+
+/* Nobody tells the controller's samples: this bus does not carry them, and the plant does not echo them. */
+void device_wire_deafen(struct device_wire *w);
 
 /* Every counter that metrics are about was told since `told` was cleared. */
 bool device_wire_has_counters(const struct device_wire *w);

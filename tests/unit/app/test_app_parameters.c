@@ -281,9 +281,9 @@ TEST(app_parameters_settings)
     } rate[] = {{SET_MOTION_EVERY, WIRE_MOTION}, {SET_CONTACT_EVERY, WIRE_CONTACT},
                 {SET_STATUS_EVERY, WIRE_STATUS}, {SET_LEDGER_EVERY, WIRE_LEDGER},
                 {SET_HEALTH_EVERY, WIRE_HEALTH}, {SET_SUMMARY_EVERY, WIRE_EVENT_SUMMARY},
-                {SET_HASH_EVERY, WIRE_HASH}};
+                {SET_HASH_EVERY, WIRE_HASH},     {SET_STREAM_ECHO_EVERY, WIRE_STREAM_ECHO}};
     const int every[] = {1, 7, 20};
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 8; i++) {
         for (int k = 0; k < 3; k++) {
             parameters_start();
             bus_set(&bus, SETTING_FIRST + (unsigned)rate[i].setting, every[k]);

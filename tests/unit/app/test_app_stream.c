@@ -85,6 +85,60 @@ TEST(app_stream_linear)
     check_int("hold for the base", bus_cause(&bus, WIRE_PARAM_WRITE), CAUSE_RANGE);
 }
 
+/* The echoes of input i and the SYNCs before them, since bus_forget: each names the frame that ends with its
+ * SYNC. Returns how many came; the last ones first in sample[]. */
+static int echoes_of(int i, double *sample, int room, int *wrong)
+{
+    int n = 0;
+    double tick = -1.0;
+    for (int k = bus.n_seen - 1; k >= 0 && n < room; k--) {
+        const struct message *m = &bus.seen[k];
+        if (m->kind == WIRE_STREAM_ECHO + i)
+            sample[n++] = m->value[STREAM_ECHO_SAMPLE], tick = m->value[STREAM_ECHO_FRAME];
+        if (m->kind == WIRE_SYNC && tick >= 0.0)
+            *wrong += m->value[SYNC_TICK] != (tick + 1.0) * BUS_TICKS, tick = -1.0;
+    }
+    return n;
+}
+
+/* Each input's sample in each frame, as it was streamed: late ones never, held ones again, in its own unit.
+ */
+TEST(app_stream_echo)
+{
+    const struct app_config c = bus_config();
+    double sample[64];
+    int wrong = 0;
+    bus_start_running(&bus, &c);
+    bus_run(&bus, 5);
+    check_int("by default there is none", bus_count(&bus, WIRE_STREAM_ECHO), 0);
+    bus_set(&bus, SETTING_FIRST + SET_STREAM_ECHO_EVERY, 1);
+    bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 0);
+    bus_set(&bus, SETTING_FIRST + SET_CONTACT_EVERY, 0);
+    bus_set(&bus, SETTING_FIRST + SET_SYNC_EVERY, 100);
+    bus_run(&bus, 1);
+    bus_forget(&bus);
+    uint64_t first = plant_frame();
+    bus_stream(&bus, RIG_FORCE, first + 1, (double)0.1f);
+    bus_stream(&bus, RIG_FORCE, first + 3, -7.5);
+    bus_stream(&bus, RIG_FORCE, first - 1, 99.0);
+    bus_stream(&bus, RIG_BASE, first + 2, 1e-7);
+    bus_run(&bus, 5);
+    check_int("force: echoes in five frames", echoes_of(RIG_FORCE, sample, 64, &wrong), 5);
+    const double force[5] = {-7.5, -7.5, (double)0.1f, (double)0.1f, 0.0};
+    for (int i = 0; i < 5; i++)
+        check_near("  the last ones first, N", sample[i], force[i], 0.0);
+    check_int("base: echoes", echoes_of(RIG_BASE, sample, 64, &wrong), 5);
+    check_near("  in m, on its line at the end of its frame", sample[2], (double)1e-7f, 0.0);
+    check_near("  before it", sample[3], 0.0, 0.0);
+    check_int("an input that nothing drives: echoes", echoes_of(RIG_STIFFNESS, sample, 64, &wrong), 5);
+    check_int("echoes that are not of the frame before their SYNC", wrong, 0);
+    bus_order(&bus, CONTROL_PAUSE);
+    bus_run(&bus, 1);
+    bus_forget(&bus);
+    bus_run(&bus, 10);
+    check_int("while plant time stands: none", bus_count(&bus, WIRE_STREAM_ECHO), 0);
+}
+
 TEST(app_stream_guards)
 {
     const struct app_config c = bus_config();

@@ -39,7 +39,7 @@ TEST(settings_table)
     check_true("infinite", !setting_accepts(SET_REACTION_RAMP_S, HUGE_VAL));
     check_string("last input", setting_table[SET_STREAM_LINEAR_LAST].name, "stream_linear_stiffness");
     check_string("last slot", setting_table[SET_LOCKIN_OUTPUT_LAST].name, "lockin_output_3");
-    check_string("last setting", setting_table[SETTINGS - 1].name, "stage_3_delay_ticks");
+    check_string("last setting", setting_table[SETTINGS - 1].name, "stream_echo_every");
 }
 
 /* A dead controller has as long at any rate; where frames are long, it has some of them. */

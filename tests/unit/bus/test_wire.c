@@ -124,6 +124,7 @@ static const struct {
     {WIRE_SELF_TEST, 11, {10, SELF_TEST_FAILED, 0.015625}, {0x30, 0x0B, 0x0A, 0x02, 0x00, 0x00, 0x80, 0x3C}},
     {WIRE_WATCH, 12, {2, 4660, -0.5}, {0x2D, 0x2C, 0x34, 0x12, 0x00, 0x00, 0x00, 0xBF}},
     {WIRE_ADC, 14, {65535, -2, 258}, {0x5C, 0x0E, 0xFF, 0xFF, 0xFE, 0xFF, 0x02, 0x01}},
+    {WIRE_STREAM_ECHO + 1, 9, {65534, -0.3125}, {0x98, 0x09, 0xFE, 0xFF, 0x00, 0x00, 0xA0, 0xBE}},
 };
 
 enum { GOLDEN = sizeof golden / sizeof golden[0] };
@@ -310,7 +311,7 @@ TEST(wire_refusals)
     f = good;
     f.id = 0x200 + WIRE_CONTROL;
     check_refused("another command's identifier", &scene, &f, WIRE_BAD_CRC);
-    f.id = 0x200 + 0x25;
+    f.id = 0x200 + 0x29;
     check_refused("unused identifier, CRC not looked at", &scene, &f, WIRE_BAD_KIND);
     f.id = 0x200 + 0x3F;
     check_refused("last unused identifier", &scene, &f, WIRE_BAD_KIND);
@@ -395,7 +396,7 @@ TEST(wire_layouts)
             used |= bits;
         }
     }
-    check_int("kinds", n, 37);
+    check_int("kinds", n, 41);
     check_int("commands", commands, 16);
     check_int("overlapping or misplaced fields", bad, 0);
 }

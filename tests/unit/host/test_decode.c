@@ -81,6 +81,48 @@ static void check_frames(const char *name, const char *words, int rows, int with
 #define NO_MOTION "SC SC SC SC SC SC SC SC SC SC "
 #define NOTHING   "- - - - - - - - - - "
 
+/* Frame i of a plant that echoes the samples i and -i: its SYNC, and the echoes where `heard` says so. The
+ * commands of the row that it ends. */
+static void hear_echoes(int i, bool heard, double command[2])
+{
+    struct decode_row row;
+    struct message sync = next_message(WIRE_SYNC, i, i * SUBSTEPS, 0.0);
+    struct message one = next_message(WIRE_STREAM_ECHO, (i + 65535) % 65536, i, 0.0);
+    struct message two = next_message(WIRE_STREAM_ECHO + 1, (i + 65535) % 65536, -i, 0.0);
+    if (decode_take(&decoder, &sync, &row))
+        memcpy(command, &row.value[DECODE_OUTPUTS], 2 * sizeof *command);
+    if (heard) {
+        (void)decode_take(&decoder, &one, &row);
+        (void)decode_take(&decoder, &two, &row);
+    }
+}
+
+TEST(decode_echo)
+{
+    struct decode_row row;
+    double command[2] = {7.0, 7.0};
+    begin();
+    for (int i = 40000; i < 40020; i++)
+        hear_echoes(i, i != 40017, command);
+    check_near("a row has the sample of the frame before it", command[0], 40018.0, 0.0);
+    check_near("  of each input", command[1], -40018.0, 0.0);
+    hear_echoes(40020, true, command);
+    struct message late = next_message(WIRE_STREAM_ECHO, 40018, 1.0, 0.0);
+    (void)decode_take(&decoder, &late, &row);
+    hear_echoes(40021, false, command);
+    check_near("one of another frame is not taken", command[0], 40020.0, 0.0);
+    hear_echoes(40022, true, command);
+    check_nan("a row whose echo is missing", command[0]);
+    struct message stream = next_message(WIRE_STREAM, 0.0, 0.0, 0.0);
+    stream.value[STREAM_SAMPLE] = 2.5;
+    (void)decode_take(&decoder, &stream, &row);
+    hear_echoes(40023, true, command);
+    hear_echoes(40024, true, command);
+    check_near("where STREAM is heard, that is the command", command[0], 2.5, 0.0);
+    check_near("  of its input alone", command[1], -40023.0, 0.0);
+    check_int("echoes missing", (int64_t)decoder.missing, 4);
+}
+
 TEST(decode_missing)
 {
     check_frames("all heard", TEN "S", 10, 0, 0);
