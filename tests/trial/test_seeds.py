@@ -19,6 +19,7 @@ from verdicts import conclude, verdict  # noqa: E402
 build, sanitized_build, seeds, stop_s = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 EXAMPLES = ("keep", "damp", "track", "avoid", "detune")
+TEST_FILES = (*EXAMPLES, "keep_faults")
 BAD = "drop=0.02,in.delay=0.05:5"
 LINKS = {  # a case that is ok on a good link, and the bad link that its controller is to stand
     "keep": ("quiet", BAD), "damp": ("fast enough", BAD), "track": ("finds it", "drop=0.01,in.delay=0.05:5"),
@@ -37,7 +38,7 @@ def read(name):
 
 def compile_all(compiler, library, folder, *flags):
     os.makedirs(path(folder), exist_ok=True)
-    for name in ("word.h", *(x + end for x in EXAMPLES for end in (".c", ".test"))):
+    for name in ("word.h", *(x + ".c" for x in EXAMPLES), *(x + ".test" for x in TEST_FILES)):
         shutil.copy(os.path.join(root, "docs/examples", name), path(folder))
     for name in EXAMPLES:
         c = subprocess.run([compiler, "-O2", *flags, name + ".c", "-I" + root + "/host_sim/library", library + "/libcontactplant.a", "-lm", "-o", name], cwd=path(folder), capture_output=True, text=True)
@@ -69,10 +70,10 @@ def speak_udp(file):
 
 
 def test_compilers():
-    for name in EXAMPLES:
+    for name in TEST_FILES:
         speak_udp(path("clang/%s.test" % name))
     for folder, program in (("gcc", build), ("clang", sanitized_build)):
-        for name in EXAMPLES:
+        for name in TEST_FILES:
             subprocess.run([program + "/contactplant", "test", name + ".test", "--log", "logs"], cwd=path(folder), capture_output=True)
     logs = sorted(x for x in os.listdir(path("gcc/logs")) if x.endswith(".log"))
     apart = [x for x in logs if not os.path.exists(path("clang/logs/" + x)) or read("gcc/logs/" + x) != read("clang/logs/" + x)]
