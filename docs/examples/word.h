@@ -135,7 +135,7 @@ static void word_put(const uint8_t *packet, size_t n)
 /* Something comes within that time, over UDP. */
 static int word_hears(int milliseconds)
 {
-    struct pollfd socket = {.fd = word_socket, .events = POLLIN};
+    struct pollfd socket = {word_socket, POLLIN, 0};
     return !word_memory && poll(&socket, 1, milliseconds) > 0;
 }
 

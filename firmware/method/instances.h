@@ -9,8 +9,8 @@
  *   jumps      JUMP(row, when) for each other row that does the step instead. `when` is an expression in
  *              `active`, whose bit i says that input i sounds; the first that holds counts. STAY: none
  *   states, contacts, n_inputs   as in struct model; fewer inputs where the last ones never reach the row
- *   rhs, gap, flow               as in struct model, for these inputs; static inline, in a header of the
- * model lanes                        flow for TICK_LANES ticks side by side (models/flows.h), or NULL
+ *   rhs, gap, flow   as in struct model, for these inputs; static inline, in a header of the model
+ *   lanes      flow for TICK_LANES ticks side by side (models/flows.h), or NULL
  *
  * A file that compiles the table in defines JUMP and what a row becomes, and writes INSTANCES(that). */
 #ifndef FIRMWARE_INSTANCES_H
