@@ -5,5 +5,6 @@
 int isspace(int c);
 int isdigit(int c);
 int isalnum(int c);
+int tolower(int c);
 
 #endif

@@ -15,5 +15,6 @@ int strncmp(const char *a, const char *b, size_t n);
 char *strchr(const char *text, int value);
 char *strstr(const char *text, const char *part);
 size_t strcspn(const char *text, const char *stops);
+char *strpbrk(const char *text, const char *set);
 
 #endif
