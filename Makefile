@@ -47,7 +47,8 @@ PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c 
 # The unit tests with their fixtures, and parts of other programs that they check.
 UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out)
 # What libcontactplant has of the program: what reads a scene, what talks to a plant; FMUs have no client.
-LIB_CLIENT := host_sim/library/library_bus.c host_sim/library/library_client.c host_sim/live/client.c host_sim/live/explain.c
+LIB_CLIENT := host_sim/library/library_bus.c host_sim/library/library_client.c host_sim/live/client.c host_sim/live/explain.c \
+              host_sim/listen/listen.c host_sim/listen/latest.c
 LIB_HOST := $(filter-out $(LIB_CLIENT),$(wildcard host_sim/library/*.c)) host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c \
             host_sim/cli/quotes.c host_sim/out/utf8.c $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))

@@ -1,13 +1,16 @@
 /* demo.c - ten seconds that show what the plant does: plant and controller as two processes on the loopback
  * interface, a record of all traffic, a table, a picture and a paragraph. */
 #include "host_sim/afm/afm_demo.h"
-#include "host_sim/demo/demo.h"
+#include "host_sim/demo/demo_html.h"
+#include "host_sim/demo/demo_picture.h"
+#include "host_sim/demo/demo_report.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/live/client_host.h"
 #include "host_sim/scene/scene.h"
-#include "host_sim/scope/scope.h"
+#include "host_sim/scope/scope_child.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -1,5 +1,6 @@
-/* demo_html.c - the record as a report. */
-#include "host_sim/demo/demo.h"
+/* demo_html.c - see demo_html.h. */
+#include "host_sim/demo/demo_html.h"
+#include "host_sim/demo/demo_report.h"
 #include "host_sim/report/html.h"
 
 /* Charts over the time of the plant: a column as a line, or two as a band. */

@@ -1,7 +1,7 @@
-/* demo_picture.c - the record as one picture. */
+/* demo_picture.c - see demo_picture.h. */
+#include "host_sim/demo/demo_picture.h"
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/files.h"
-#include "host_sim/demo/demo.h"
 
 #include <errno.h>
 #include <math.h>

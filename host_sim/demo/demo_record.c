@@ -1,6 +1,6 @@
-/* demo_record.c - collects the messages on the bus in rows of ten frames and writes them as a CSV. */
+/* demo_record.c - see demo_record.h. */
+#include "host_sim/demo/demo_record.h"
 #include "host_sim/cli/files.h"
-#include "host_sim/demo/demo.h"
 #include "models/hertz_rig.h"
 
 #include <errno.h>
@@ -9,18 +9,6 @@
 #include <string.h>
 
 const char *const demo_phase_name[DEMO_PHASES] = {"rest", "slow drive", "control", "fast base", "silence"};
-
-void demo_record_init(struct demo_record *r)
-{
-    memset(r, 0, sizeof *r);
-    r->tick_s = r->command_N = r->first_loss_s = r->first_loss_N = (double)NAN;
-    r->reaction_begin_s = r->reaction_end_s = (double)NAN;
-    for (int i = 0; i < DEMO_RECENT; i++)
-        r->displacement.value[i] = r->penetration.value[i] = r->force.value[i] = (double)NAN;
-    for (int k = 0; k < DEMO_BURST_SIGNALS; k++)
-        for (int i = 0; i < DEMO_BURST; i++)
-            r->burst[k][i] = (double)NAN;
-}
 
 static void recent_add(struct demo_recent *recent, double value)
 {
@@ -64,20 +52,29 @@ static void add_row(struct demo_record *r, const struct latest *l, double loss)
     r->n_rows++;
 }
 
-static void hear_event(struct demo_record *r, const struct latest *l, const struct message *m)
+static void take_event(void *context, const struct listen_event *e)
 {
-    if (m->value[EVENT_TOUCH] > 0.0 || !isnan(r->first_loss_s))
+    struct demo_record *r = context;
+    if (e->touch || !isnan(r->first_loss_s))
         return;
-    /* the message has the tick's low bits; an event is never older than a few frames */
-    double tick = (double)l->tick, low = m->value[EVENT_TIME_TICK];
-    const struct field *f = &wire_layout(WIRE_EVENT_TIME)->field[EVENT_TIME_TICK];
-    double span = ldexp(1.0, f->bits);
-    tick += remainder(low - tick, span);
-    r->first_loss_s = (tick + m->value[EVENT_TIME_FRACTION]) * r->tick_s;
+    r->first_loss_s = ((double)e->tick + e->fraction) * r->tick_s;
     r->first_loss_N = demo_ramp_at(&r->slow, r->first_loss_s);
 }
 
-static void hear_burst(struct demo_record *r, const struct message *m)
+void demo_record_init(struct demo_record *r)
+{
+    memset(r, 0, sizeof *r);
+    r->events = (struct listen_events){.take = take_event, .context = r};
+    r->tick_s = r->command_N = r->first_loss_s = r->first_loss_N = (double)NAN;
+    r->reaction_begin_s = r->reaction_end_s = (double)NAN;
+    for (int i = 0; i < DEMO_RECENT; i++)
+        r->displacement.value[i] = r->penetration.value[i] = r->force.value[i] = (double)NAN;
+    for (int k = 0; k < DEMO_BURST_SIGNALS; k++)
+        for (int i = 0; i < DEMO_BURST; i++)
+            r->burst[k][i] = (double)NAN;
+}
+
+static void take_burst(struct demo_record *r, const struct message *m)
 {
     double signal = m->value[CAPTURE_DATA_SIGNAL], sample = m->value[CAPTURE_DATA_SAMPLE];
     if (!(signal < DEMO_BURST_SIGNALS && sample < DEMO_BURST))
@@ -92,7 +89,7 @@ static void ramp_to_zero(struct demo_ramp *ramp, double t_s)
     *ramp = (struct demo_ramp){demo_ramp_at(ramp, t_s), 0.0, t_s, 1e-3 * DEMO_REACTION_RAMP_MS};
 }
 
-static void hear_status(struct demo_record *r, const struct latest *l)
+static void take_status(struct demo_record *r, const struct latest *l)
 {
     if (l->reaction == REACTION_NONE || r->reaction_frame)
         return;
@@ -103,7 +100,7 @@ static void hear_status(struct demo_record *r, const struct latest *l)
 }
 
 /* The echo of a ramp is the time it has left. */
-static void hear_echo(struct demo_record *r, const struct latest *l, const struct message *m)
+static void take_echo(struct demo_record *r, const struct latest *l, const struct message *m)
 {
     double t_s = (double)l->tick * r->tick_s;
     bool ramp = m->value[DRIVE_ECHO_CHANNEL] == RIG_FORCE && m->value[DRIVE_ECHO_FIELD] == ARM_RAMP;
@@ -111,7 +108,7 @@ static void hear_echo(struct demo_record *r, const struct latest *l, const struc
         r->reaction_end_s = t_s;
 }
 
-void demo_record_hear(struct demo_record *r, const struct latest *latest, const struct message *m)
+void demo_record_take(struct demo_record *r, const struct latest *latest, const struct message *m)
 {
     switch (m->kind) {
     case WIRE_MOTION:
@@ -122,19 +119,20 @@ void demo_record_hear(struct demo_record *r, const struct latest *latest, const 
         recent_add(&r->force, m->value[CONTACT_FORCE]);
         break;
     case WIRE_STATUS:
-        hear_status(r, latest);
+        take_status(r, latest);
         break;
     case WIRE_DRIVE_ECHO:
-        hear_echo(r, latest, m);
+        take_echo(r, latest, m);
         break;
     case WIRE_EVENT_TIME:
-        hear_event(r, latest, m);
+    case WIRE_EVENT_DATA:
+        listen_events_take(&r->events, m, latest->tick);
         break;
     case WIRE_EVENT_SUMMARY:
         add_row(r, latest, m->value[SUMMARY_LOSS]);
         break;
     case WIRE_CAPTURE_DATA:
-        hear_burst(r, m);
+        take_burst(r, m);
         break;
     default:
         break;

@@ -1,6 +1,6 @@
-/* demo_report.c - the demonstration in one paragraph, from the rows of its record. */
+/* demo_report.c - see demo_report.h. */
+#include "host_sim/demo/demo_report.h"
 #include "host_sim/cli/paragraph.h"
-#include "host_sim/demo/demo.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
-/* demo_script.c - the controller of the demonstration: a list of steps over the client, and its loop. */
+/* demo_script.c - see demo_script.h. */
+#include "host_sim/demo/demo_script.h"
 #include "firmware/observe/capture.h"
 #include "host_sim/cli/clock.h"
-#include "host_sim/demo/demo.h"
 #include "host_sim/live/explain.h"
 #include "models/hertz_rig.h"
 
@@ -46,7 +46,7 @@ static void hear(void *context, const struct frame *f, const struct message *m)
 {
     struct demo *d = context;
     (void)f;
-    demo_record_hear(&d->record, &d->client.latest, m);
+    demo_record_take(&d->record, &d->client.latest, m);
     if (m->kind == WIRE_REPLY && m->value[REPLY_MESSAGE] < WIRE_KINDS)
         d->answer[(int)m->value[REPLY_MESSAGE]] = (int)m->value[REPLY_CAUSE];
 }

@@ -6,23 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    POLL_BUDGET = 8192,   /* frames taken in one poll; a plant sends some ten a millisecond */
-    OVERTAKEN_FRAMES = 64 /* a STATUS may come so late behind a newer one */
-};
+enum { POLL_BUDGET = 8192 }; /* frames taken in one poll; a plant sends some ten a millisecond */
 static const double open_retry_s = 0.05;
 static const double look_s = 0.1; /* a wait looks up so often: a signal may have come just before it */
 static const double identity_s =
     1.0; /* a plant of 100 frames a second and more tells it by itself in this time */
 static const double explain_s =
     2.0; /* for the other items of INFO: a round of them takes 0.9 s at 1000 frames */
-
-/* Fills n doubles with "not known yet". */
-static void forget(double *x, int n)
-{
-    for (int i = 0; i < n; i++)
-        x[i] = (double)NAN;
-}
 
 void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
                   const struct client_waiter *waiter)
@@ -31,131 +21,10 @@ void client_begin(struct client *c, const struct hal *hal, const struct wire_sce
     c->hal = hal;
     c->waiter = waiter;
     c->scene = *scene;
-    struct latest *l = &c->latest;
-    l->reaction = REACTION_NONE;
-    forget(&l->displacement_m, 1);
-    forget(&l->velocity_m_per_s, 1);
-    forget(&l->penetration_m, 1);
-    forget(&l->force_N, 1);
-    forget(&l->contact_loss, 1);
-    forget(l->parameter, CLIENT_PARAMETERS);
-    forget(&l->drive[0][0], MODEL_INPUTS * CLIENT_DRIVE_FIELDS);
-    forget(l->lockin_amplitude, LOCKIN_SLOTS);
-    forget(l->lockin_phase, LOCKIN_SLOTS);
-    forget(l->ledger, CLIENT_LEDGER);
-    forget(l->health, DIAG_COUNTERS);
-    forget(l->info, INFO_ITEMS);
+    latest_begin(&c->latest);
 }
 
-/* The 64-bit number nearest to `last` with these low bits. */
-static uint64_t extend(uint64_t last, double low, int bits)
-{
-    uint64_t mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
-    uint64_t up = ((uint64_t)low - last) & mask;
-    bool behind = up > mask / 2 && last >= mask + 1 - up;
-    return behind ? last - (mask + 1 - up) : last + up;
-}
-
-static int field_bits(const struct message *m, int i)
-{
-    return wire_layout(m->kind)->field[i].bits;
-}
-
-/* table[index] = value where both are known. */
-static void note(double *table, int n, double index, double value)
-{
-    if (index >= 0.0 && index < (double)n)
-        table[(int)index] = value;
-}
-
-static void hear_sync(struct latest *l, const struct message *m)
-{
-    l->frame = extend(l->frame, m->value[SYNC_FRAME], field_bits(m, SYNC_FRAME));
-    l->tick = extend(l->tick, m->value[SYNC_TICK], field_bits(m, SYNC_TICK));
-}
-
-/* A STATUS that a later one has overtaken says what is
- * over. A plant that restarted begins at frame 0 again. */
-static void hear_status(struct latest *l, const struct message *m)
-{
-    uint64_t frame = extend(l->frame, m->value[STATUS_FRAME], field_bits(m, STATUS_FRAME));
-    if (frame < l->status_frame && l->status_frame - frame <= OVERTAKEN_FRAMES)
-        return;
-    l->status_frame = frame;
-    l->session = (uint8_t)m->value[SESSION];
-    l->state = (enum plant_state)m->value[STATUS_STATE];
-    l->reaction = (enum reaction)m->value[STATUS_REACTION];
-    l->faults = (unsigned)m->value[STATUS_FAULTS];
-    l->frame = frame;
-}
-
-static void hear_slow(struct latest *l, const struct message *m)
-{
-    const double *v = m->value;
-    switch (m->kind) {
-    case WIRE_LOCKIN:
-        note(l->lockin_amplitude, LOCKIN_SLOTS, v[LOCKIN_SLOT], v[LOCKIN_AMPLITUDE]);
-        note(l->lockin_phase, LOCKIN_SLOTS, v[LOCKIN_SLOT], v[LOCKIN_PHASE]);
-        break;
-    case WIRE_DRIVE_ECHO:
-        if (v[DRIVE_ECHO_CHANNEL] < MODEL_INPUTS)
-            note(l->drive[(int)v[DRIVE_ECHO_CHANNEL]], CLIENT_DRIVE_FIELDS, v[DRIVE_ECHO_FIELD],
-                 v[DRIVE_ECHO_VALUE]);
-        break;
-    case WIRE_LEDGER:
-        note(l->ledger, CLIENT_LEDGER, v[LEDGER_ITEM], v[LEDGER_VALUE]);
-        break;
-    case WIRE_HEALTH:
-        note(l->health, DIAG_COUNTERS, v[HEALTH_ITEM], v[HEALTH_VALUE]);
-        break;
-    case WIRE_PARAM_ECHO:
-        note(l->parameter, CLIENT_PARAMETERS, v[PARAM_ECHO_INDEX], v[PARAM_ECHO_VALUE]);
-        break;
-    case WIRE_INFO:
-        note(l->info, INFO_ITEMS, v[INFO_ITEM], v[INFO_VALUE]);
-        break;
-    default:
-        break;
-    }
-}
-
-static void hear_fast(struct latest *l, const struct message *m)
-{
-    const double *v = m->value;
-    switch (m->kind) {
-    case WIRE_STATUS:
-        hear_status(l, m);
-        break;
-    case WIRE_SYNC:
-        hear_sync(l, m);
-        break;
-    case WIRE_REPLY:
-        if (v[REPLY_CAUSE] < CAUSES)
-            l->reply[(int)v[REPLY_CAUSE]]++;
-        break;
-    case WIRE_EVENT_TIME:
-        l->touchdowns += v[EVENT_TOUCH] > 0.0;
-        l->liftoffs += !(v[EVENT_TOUCH] > 0.0);
-        break;
-    case WIRE_MOTION:
-        l->displacement_m = v[MOTION_DISPLACEMENT];
-        l->velocity_m_per_s = v[MOTION_VELOCITY];
-        break;
-    case WIRE_CONTACT:
-        l->contact_tick = l->tick;
-        l->in_contact = v[CONTACT_IN_CONTACT] > 0.0;
-        l->penetration_m = v[CONTACT_PENETRATION];
-        l->force_N = v[CONTACT_FORCE];
-        break;
-    case WIRE_EVENT_SUMMARY:
-        l->contact_loss = v[SUMMARY_LOSS];
-        break;
-    default:
-        hear_slow(l, m);
-    }
-}
-
-static void hear(struct client *c, const struct frame *f)
+void client_take(struct client *c, const struct frame *f)
 {
     struct message m;
     enum wire_status status = wire_decode(&c->scene, f, &m);
@@ -165,11 +34,8 @@ static void hear(struct client *c, const struct frame *f)
         c->bad++;
         return;
     }
-    if (m.kind >= WIRE_COMMANDS) {
-        c->latest.message[m.kind] = m;
-        c->latest.count[m.kind]++;
-        hear_fast(&c->latest, &m);
-    }
+    if (m.kind >= WIRE_COMMANDS)
+        latest_take(&c->latest, c->scene.substeps, &m);
     if (c->heard)
         c->heard(c->heard_context, f, &m);
 }
@@ -190,7 +56,7 @@ int client_poll(struct client *c)
         if (got < 0)
             c->bus_faults++;
         else
-            hear(c, &f), n++;
+            client_take(c, &f), n++;
     }
     return n;
 }

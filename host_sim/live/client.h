@@ -2,7 +2,7 @@
  *
  * Numbers are SI as on the bus. Ticks and frames, of which a message carries the low bits only, are extended
  * to 64 bits from the last ones seen. Only the functions with `seconds` wait: by the client's waiter, which
- * is the host's clock (client_host.c) or the caller's own.
+ * is the host's clock (client_host.h) or the caller's own.
  *
  * LOCKSTEP, where the link offers it: commands go out together when the client waits, as one word, which may
  * be empty. The wait goes on when the plant's bus frame was heard whole. All seconds are then bus frames, and
@@ -12,43 +12,8 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include "firmware/bus/mailbox.h"
-#include "firmware/plant/ledger.h"
-#include "firmware/bus/settings.h"
-#include "firmware/bus/wire.h"
-#include "firmware/bus/diag.h"
 #include "hal/hal.h"
-
-enum {
-    CLIENT_PARAMETERS = STAGED_VALUES, /* wire indices of parameters and settings */
-    CLIENT_LEDGER = 16,
-    CLIENT_DRIVE_FIELDS = 8 /* fields of DRIVE_ECHO: amplitude, Hz, phase, .. in the order of the wire */
-};
-
-/* The latest of everything that the plant said; NaN until it was said. */
-struct latest {
-    struct message message[WIRE_KINDS]; /* the last message of each kind */
-    uint64_t count[WIRE_KINDS];         /* messages of each kind */
-    uint64_t frame, tick;               /* bus frame of SYNC and STATUS, plant tick of SYNC */
-    uint64_t status_frame;              /* that of the newest STATUS */
-    uint64_t contact_tick;              /* tick of the last CONTACT */
-    enum plant_state state;
-    uint8_t session; /* the one in force, or the last one */
-    enum reaction reaction;
-    unsigned faults;
-    double displacement_m, velocity_m_per_s;
-    double penetration_m, force_N;
-    bool in_contact;
-    double parameter[CLIENT_PARAMETERS];             /* by wire index */
-    double drive[MODEL_INPUTS][CLIENT_DRIVE_FIELDS]; /* DRIVE_ECHO, by channel and field */
-    double lockin_amplitude[LOCKIN_SLOTS], lockin_phase[LOCKIN_SLOTS];
-    double ledger[CLIENT_LEDGER];
-    double health[DIAG_COUNTERS];
-    double info[INFO_ITEMS];
-    double contact_loss;           /* EVENT_SUMMARY: fraction of time */
-    uint64_t touchdowns, liftoffs; /* events seen */
-    uint64_t reply[CAUSES];        /* REPLY messages by cause, CAUSE_OK included */
-};
+#include "host_sim/listen/latest.h"
 
 enum client_answer { CLIENT_ANSWERED, CLIENT_UNANSWERED, CLIENT_REFUSED };
 
@@ -94,10 +59,7 @@ struct client {
  * equal, or another. */
 enum client_identity { CLIENT_UNTOLD, CLIENT_SAME, CLIENT_OTHER };
 
-/* A new client without a session, which waits by the host's clock. */
-void client_init(struct client *c, const struct hal *hal, const struct wire_scene *scene);
-
-/* A new client with a waiter of the caller's. */
+/* A new client without a session, with a waiter of the caller's. */
 void client_begin(struct client *c, const struct hal *hal, const struct wire_scene *scene,
                   const struct client_waiter *waiter);
 
@@ -123,6 +85,9 @@ bool client_close(struct client *c, double seconds);
 
 /* Takes everything that has arrived; returns the number of messages. */
 int client_poll(struct client *c);
+
+/* Takes a frame that came in another way. */
+void client_take(struct client *c, const struct frame *f);
 
 /* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than
  * their field are cut to its bits. False when the bus had no room. It goes out at once; in lockstep with the

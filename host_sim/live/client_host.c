@@ -1,6 +1,6 @@
-/* client_host.c - a client that waits by the host's clock, and ends its wait when the user interrupts. */
+/* client_host.c - see client_host.h. */
+#include "host_sim/live/client_host.h"
 #include "host_sim/cli/clock.h"
-#include "host_sim/live/client.h"
 
 static const double poll_pause_s = 50e-6;
 

@@ -6,7 +6,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/live/lockstep.h"
-#include "host_sim/live/station.h"
+#include "host_sim/live/remote.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -144,7 +144,7 @@ static int control(const struct options *o, struct client *c, const struct scene
 
 /* Over UDP a plant in lockstep takes one word a bus frame;
  * over CAN, and for another plant, it is CONTROL step alone. */
-static int follow(const struct options *o, struct station *t)
+static int follow(const struct options *o, struct remote *t)
 {
     bool lockstep = options_given(o, "lockstep");
     if (!lockstep && options_given(o, "patience"))
@@ -157,14 +157,14 @@ static int follow(const struct options *o, struct station *t)
 
 int cmd_control(int argc, char **argv)
 {
-    static struct station station; /* large: not on the stack */
+    static struct remote remote; /* large: not on the stack */
     struct options o;
     int status;
     if (!options_parse(&o, &control_usage, argc, argv, &status))
         return status;
-    status = station_open(&station, &o, BUS_CONTROLLER, 0);
-    status = status ? status : follow(&o, &station);
-    status = status ? status : control(&o, &station.client, &station.scene);
-    station_close(&station);
+    status = remote_open(&remote, &o, BUS_CONTROLLER, 0);
+    status = status ? status : follow(&o, &remote);
+    status = status ? status : control(&o, &remote.client, &remote.scene);
+    remote_close(&remote);
     return status;
 }

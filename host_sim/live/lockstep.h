@@ -1,6 +1,6 @@
 /* lockstep.h - bus frames that begin with a word of each awaited peer, and no clock: docs/guide/lockstep.md.
  *
- * A word is a datagram of the peer, an empty packet too. Each bus frame takes one word of each awaited peer
+ * A word is a packet of the peer, an empty one too. Each bus frame takes one word of each awaited peer
  * and ends with what the plant says, an empty packet at least. The clock only paces, where asked for, and
  * ends a silent run. */
 #ifndef HOST_SIM_LOCKSTEP_H

@@ -5,7 +5,7 @@
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/replay/monitor_rows.h"
-#include "host_sim/live/station.h"
+#include "host_sim/live/remote.h"
 #include "host_sim/out/cell.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ static const struct usage monitor_usage = {
 
 struct monitor {
     const struct options *o;
-    struct station station;
+    struct remote remote;
     struct monitor_rows rows;
     bool only[WIRE_KINDS];
     bool csv;
@@ -76,9 +76,9 @@ static void print_value(const struct model *m, const struct field *f, double val
 
 static void print_line(const struct monitor *k, const struct message *m, const struct message_layout *l)
 {
-    const struct model *model = k->station.scene.config.model;
-    printf("%10llu %12llu %-13s", (unsigned long long)k->station.client.latest.frame,
-           (unsigned long long)k->station.client.latest.tick, names_kind(m->kind));
+    const struct model *model = k->remote.scene.config.model;
+    printf("%10llu %12llu %-13s", (unsigned long long)k->remote.client.latest.frame,
+           (unsigned long long)k->remote.client.latest.tick, names_kind(m->kind));
     for (int i = 0; i < l->n_fields; i++) {
         const char *unit = names_unit(model, m, i);
         printf(" %s=", l->field[i].name);
@@ -93,13 +93,13 @@ static void print_line(const struct monitor *k, const struct message *m, const s
 
 static void print_rows(const struct monitor *k, const struct message *m, const struct message_layout *l)
 {
-    const struct model *model = k->station.scene.config.model;
+    const struct model *model = k->remote.scene.config.model;
     int mux = names_multiplexer(l);
     for (int i = 0; i < l->n_fields; i++) {
         if (i == mux)
             continue;
-        printf("%llu,%llu,%s,%s,%s,", (unsigned long long)k->station.client.latest.frame,
-               (unsigned long long)k->station.client.latest.tick, names_kind(m->kind),
+        printf("%llu,%llu,%s,%s,%s,", (unsigned long long)k->remote.client.latest.frame,
+               (unsigned long long)k->remote.client.latest.tick, names_kind(m->kind),
                item_of(model, l, m, mux), l->field[i].name);
         print_value(model, &l->field[i], m->value[i]);
         printf(",%s\n", names_unit(model, m, i));
@@ -124,7 +124,7 @@ static void hear_rows(struct monitor *k, const struct message *m)
 {
     if (k->wanted && k->printed >= k->wanted)
         return;
-    if (client_identity(&k->station.client) != CLIENT_SAME) {
+    if (client_identity(&k->remote.client) != CLIENT_SAME) {
         k->withheld++;
         return;
     }
@@ -143,7 +143,7 @@ static void hear_message(void *context, const struct frame *f, const struct mess
     }
     if (!k->only[m->kind] || (k->wanted && k->printed >= k->wanted))
         return;
-    if (!is_plain(l) && client_identity(&k->station.client) != CLIENT_SAME) {
+    if (!is_plain(l) && client_identity(&k->remote.client) != CLIENT_SAME) {
         k->withheld++;
         return;
     }
@@ -190,8 +190,8 @@ static int read_only_list(struct monitor *k)
 static int refuse_plant(struct monitor *k)
 {
     char why[EXPLAIN_REASON];
-    (void)client_wait_identity(&k->station.client, 0.0);
-    explain_identity(&k->station.client, why);
+    (void)client_wait_identity(&k->remote.client, 0.0);
+    explain_identity(&k->remote.client, why);
     return options_failure(k->o->usage, "%s", why);
 }
 
@@ -216,18 +216,18 @@ static int listen_in(struct monitor *k)
         printf("frame,tick,message,item,field,value,unit\n");
     while (!clock_interrupted() && !(duration > 0.0 && clock_now_s() >= end) &&
            !(k->wanted && k->printed >= k->wanted)) {
-        int n = client_poll(&k->station.client);
+        int n = client_poll(&k->remote.client);
         heard += (uint64_t)n;
-        if (client_identity(&k->station.client) == CLIENT_OTHER)
+        if (client_identity(&k->remote.client) == CLIENT_OTHER)
             return refuse_plant(k);
         if (!n)
-            bus_wait(&k->station.bus, monitor_look_s);
+            bus_wait(&k->remote.bus, monitor_look_s);
         else if (fflush(stdout) || ferror(stdout))
             return STATUS_DONE; /* who read it has seen enough, or options_finish tells of a full disk */
     }
-    if (k->station.client.bad)
+    if (k->remote.client.bad)
         fprintf(stderr, "contactplant monitor: %llu frames did not decode (CRC, length or counter)\n",
-                (unsigned long long)k->station.client.bad);
+                (unsigned long long)k->remote.client.bad);
     if (!heard)
         return options_failure(k->o->usage,
                                "heard nothing; is a plant running, and does it list us as a --peer?");
@@ -237,10 +237,10 @@ static int listen_in(struct monitor *k)
 static int open_monitor(struct monitor *k)
 {
     int status = read_only_list(k);
-    status = status ? status : station_open(&k->station, k->o, BUS_MONITOR, 0);
-    status = status ? status : monitor_rows_open(&k->rows, k->o, &k->station.scene);
-    k->station.client.heard = hear_message;
-    k->station.client.heard_context = k;
+    status = status ? status : remote_open(&k->remote, k->o, BUS_MONITOR, 0);
+    status = status ? status : monitor_rows_open(&k->rows, k->o, &k->remote.scene);
+    k->remote.client.heard = hear_message;
+    k->remote.client.heard_context = k;
     k->csv = options_given(k->o, "csv");
     k->wanted = (uint64_t)options_number(k->o, "count");
     return status;
@@ -259,7 +259,7 @@ int cmd_monitor(int argc, char **argv)
     status = open_monitor(k);
     status = status ? status : listen_in(k);
     monitor_rows_close(&k->rows);
-    station_close(&k->station);
+    remote_close(&k->remote);
     free(k);
     return status;
 }

@@ -2,11 +2,13 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
-#include "host_sim/live/send.h"
+#include "host_sim/live/send_verbs.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { TEXT = 4096 }; /* letters of a command */
 
 static const struct option send_options[] = {
     {"hold", "S", "keep the session alive this long after the last command (0)", OPTION_NUMBER, 0.0, 1e6,
@@ -65,19 +67,11 @@ static const struct usage send_usage = {
 
 /* ---- the chain ---- */
 
-static const struct send_verb *find_verb(const struct sender *s, const char *name)
-{
-    const char *names[SEND_VERBS];
-    for (int i = 0; i < SEND_VERBS; i++) {
-        names[i] = send_verb[i].name;
-        if (!strcmp(names[i], name))
-            return &send_verb[i];
-    }
-    char advice[OPTIONS_ADVICE];
-    options_misuse(s->o->usage, "unknown command \"%s\"%s", name,
-                   options_advise(name, strlen(name), names, SEND_VERBS, NULL, advice, sizeof advice));
-    return NULL;
-}
+struct chain {
+    struct sender sender;
+    int n;
+    struct action action[OPTIONS_WORDS];
+};
 
 /* Words of the command that begins at i: up to the next "+" or the end. */
 static int words_at(const struct options *o, int i)
@@ -88,13 +82,56 @@ static int words_at(const struct options *o, int i)
     return n;
 }
 
+static int unknown_command(const struct options *o, const char *word)
+{
+    const char *name[ACTION_VERBS];
+    char advice[OPTIONS_ADVICE];
+    int n = action_names(send_verbs, name);
+    return options_misuse(o->usage, "unknown command \"%s\"%s", word,
+                          options_advise(word, strlen(word), name, n, NULL, advice, sizeof advice));
+}
+
+/* The command of n words, which may be part of a number with its unit each. */
+static int read_command(struct chain *k, int n, const char *const *word)
+{
+    const struct options *o = k->sender.o;
+    char text[TEXT] = "", why[SCENE_REASON];
+    size_t used = 0;
+    if (n == 0)
+        return options_misuse(o->usage, "a command is missing beside +; write one on both sides");
+    enum action_verb verb = action_find(send_verbs, (struct word){word[0], strlen(word[0])});
+    if (verb == ACTION_VERBS)
+        return unknown_command(o, word[0]);
+    for (int i = 1; i < n && used < TEXT; i++)
+        used += (size_t)snprintf(text + used, TEXT - used, "%s%s", i > 1 ? " " : "", word[i]);
+    if (used >= TEXT)
+        return options_misuse(o->usage, "%s: too many letters", word[0]);
+    struct action *a = &k->action[k->n++];
+    return action_read(send_model(&k->sender), verb, (struct word){text, used}, a, why)
+               ? send_check(&k->sender, a)
+               : options_misuse(o->usage, "%s", why);
+}
+
+/* Every command is read before any is sent. */
+static int read_commands(struct chain *k)
+{
+    const struct options *o = k->sender.o;
+    int status = 0, i = 0;
+    do {
+        int n = words_at(o, i);
+        status = read_command(k, n, &o->word[i]);
+        i += n + 1;
+    } while (!status && i <= o->n_words);
+    return status;
+}
+
 /* After a stop of our own the next command needs a session
  * that knows of it; somebody else's stop ends the chain. */
 static bool go_on(struct sender *s)
 {
     bool stopped = s->stopped;
     s->stopped = false;
-    if (!stopped || client_open(&s->station.client, true, SEND_SILENCE_S))
+    if (!stopped || client_open(&s->remote.client, true, SEND_SILENCE_S))
         return true;
     options_failure(
         s->o->usage,
@@ -102,31 +139,11 @@ static bool go_on(struct sender *s)
     return false;
 }
 
-/* Checks the command of n words at i, or runs it. */
-static int one_command(struct sender *s, int i, int n, bool run)
+static int run_commands(struct chain *k)
 {
-    const char *const *word = &s->o->word[i];
-    if (n == 0)
-        return options_misuse(s->o->usage, "a command is missing beside +; write one on both sides");
-    const struct send_verb *v = find_verb(s, word[0]);
-    if (!v)
-        return STATUS_MISUSED;
-    if (n - 1 < v->min_words || n - 1 > v->max_words)
-        return options_misuse(s->o->usage, "%s: too %s words behind it: %d", v->name,
-                              n - 1 < v->min_words ? "few" : "many", n - 1);
-    if (run)
-        return go_on(s) ? v->run(s, n - 1, word + 1) : STATUS_FAILED;
-    return v->check ? v->check(s, n - 1, word + 1) : 0;
-}
-
-static int all_commands(struct sender *s, bool run)
-{
-    int status = 0, i = 0;
-    do {
-        int n = words_at(s->o, i);
-        status = one_command(s, i, n, run);
-        i += n + 1;
-    } while (!status && !clock_interrupted() && i <= s->o->n_words);
+    int status = 0;
+    for (int i = 0; i < k->n && !status && !clock_interrupted(); i++)
+        status = go_on(&k->sender) ? send_run(&k->sender, &k->action[i]) : STATUS_FAILED;
     fflush(stdout);
     return status;
 }
@@ -134,7 +151,7 @@ static int all_commands(struct sender *s, bool run)
 static int hold(struct sender *s)
 {
     double end = clock_now_s() + options_number(s->o, "hold");
-    const struct client *c = &s->station.client;
+    const struct client *c = &s->remote.client;
     while (clock_now_s() < end && !clock_interrupted()) {
         send_expect(s, WIRE_ENABLE);
         send_wait(s, SEND_HEARTBEAT_S);
@@ -144,26 +161,20 @@ static int hold(struct sender *s)
     return STATUS_DONE;
 }
 
-static int converse(struct sender *s)
+static int converse(struct chain *k)
 {
-    struct client *c = &s->station.client;
-    c->heard = send_hear;
+    struct sender *s = &k->sender;
+    struct client *c = &s->remote.client;
+    c->heard = send_take;
     c->heard_context = s;
     if (!client_open(c, true, SEND_SILENCE_S)) {
         char why[EXPLAIN_REASON];
-        explain_no_session(&s->station.client, why);
+        explain_no_session(&s->remote.client, why);
         return options_failure(s->o->usage, "%s", why);
     }
-    int status = all_commands(s, true);
+    int status = run_commands(k);
     bool closed = s->stopped || c->latest.state == STATE_OFF; /* by the command stop or disable */
     return status || closed ? status : hold(s);
-}
-
-/* Every command is checked before any is sent: their words need the model's names. */
-static int prepare_commands(struct sender *s)
-{
-    int status = station_open(&s->station, s->o, BUS_SENDER, OPTIONS_WORDS);
-    return status ? status : all_commands(s, false);
 }
 
 int cmd_send(int argc, char **argv)
@@ -172,14 +183,15 @@ int cmd_send(int argc, char **argv)
     int status;
     if (!options_parse(&o, &send_usage, argc, argv, &status))
         return status;
-    struct sender *s = calloc(1, sizeof *s);
-    if (!s)
+    struct chain *k = calloc(1, sizeof *k);
+    if (!k)
         return options_failure(&send_usage, "out of memory");
-    s->o = &o;
-    status = prepare_commands(s);
-    status = status ? status : converse(s);
-    station_close(&s->station);
-    free(s->burst);
-    free(s);
+    k->sender.o = &o;
+    status = remote_open(&k->sender.remote, &o, BUS_SENDER, OPTIONS_WORDS);
+    status = status ? status : read_commands(k);
+    status = status ? status : converse(k);
+    remote_close(&k->sender.remote);
+    free(k->sender.burst);
+    free(k);
     return status;
 }

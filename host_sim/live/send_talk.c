@@ -1,28 +1,27 @@
-/* send_talk.c - waiting for the plant's answers with heartbeats,
- * and what every command of contactplant send needs. */
+/* send_talk.c - see send_talk.h. */
+#include "host_sim/live/send_talk.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
-#include "host_sim/live/send.h"
 
 #include <math.h>
 #include <stdio.h>
 
 const struct model *send_model(const struct sender *s)
 {
-    return s->station.scene.config.model;
+    return s->remote.scene.config.model;
 }
 
 /* Whether the REPLY is the first to a frame that send_expect announced. */
 static bool is_answer(const struct sender *s, const struct message *m)
 {
     unsigned first = s->first_counter, n = WIRE_COUNTER_STATES;
-    unsigned sent = (s->station.client.counter[s->kind] + n - first) % n;
+    unsigned sent = (s->remote.client.counter[s->kind] + n - first) % n;
     return !s->answered && (unsigned)m->value[REPLY_MESSAGE] == s->kind &&
-           (uint8_t)m->value[SESSION] == s->station.client.session &&
+           (uint8_t)m->value[SESSION] == s->remote.client.session &&
            ((unsigned)m->value[REPLY_COUNTER] + n - first) % n < sent;
 }
 
-void send_hear(void *context, const struct frame *f, const struct message *m)
+void send_take(void *context, const struct frame *f, const struct message *m)
 {
     struct sender *s = context;
     (void)f;
@@ -51,7 +50,7 @@ static bool is_answered(const struct client *c, const void *argument)
     double now = clock_now_s();
     (void)argument;
     if (now >= s->next_beat_s) {
-        client_enable(&s->station.client, true);
+        client_enable(&s->remote.client, true);
         s->next_beat_s = now + SEND_HEARTBEAT_S;
     }
     return s->answered;
@@ -59,12 +58,12 @@ static bool is_answered(const struct client *c, const void *argument)
 
 bool send_wait(struct sender *s, double seconds)
 {
-    return client_wait(&s->station.client, is_answered, NULL, seconds);
+    return client_wait(&s->remote.client, is_answered, NULL, seconds);
 }
 
 bool send_answer(struct sender *s)
 {
-    const struct latest *l = &s->station.client.latest;
+    const struct latest *l = &s->remote.client.latest;
     uint64_t next = l->frame + 2; /* the frame after the one that is at work has taken the command */
     double end = clock_now_s() + SEND_SILENCE_S;
     bool answered = send_wait(s, SEND_ANSWER_S);
@@ -76,7 +75,7 @@ bool send_answer(struct sender *s)
 void send_expect(struct sender *s, unsigned kind)
 {
     s->kind = kind;
-    s->first_counter = s->station.client.counter[kind];
+    s->first_counter = s->remote.client.counter[kind];
     s->answered = false;
     s->refused = false;
 }
@@ -89,19 +88,14 @@ int send_no_answer(const struct sender *s, const char *what)
 /* Asks for one index until its echo comes; NaN without an answer. */
 double send_ask(struct sender *s, unsigned index)
 {
-    double *known = &s->station.client.latest.parameter[index];
+    double *known = &s->remote.client.latest.parameter[index];
     *known = (double)NAN;
     for (int i = 0; i < SEND_TRIES && isnan(*known); i++) {
         double end = clock_now_s() + SEND_ANSWER_S;
         send_expect(s, WIRE_PARAM_READ);
-        client_read(&s->station.client, index);
+        client_read(&s->remote.client, index);
         while (isnan(*known) && !s->refused && clock_now_s() < end)
             (void)send_wait(s, SEND_LOOK_S);
     }
     return *known;
-}
-
-bool send_read_whole(const char *text, double min, double max, double *x)
-{
-    return options_read_number(text, x) && *x >= min && *x <= max && *x == floor(*x);
 }

@@ -1,18 +1,17 @@
-/* send_verbs.c - the commands of contactplant send. */
+/* send_verbs.c - see send_verbs.h. */
+#include "host_sim/live/send_verbs.h"
 #include "host_sim/cli/clock.h"
-#include "host_sim/commands.h"
 #include "host_sim/cli/names.h"
-#include "host_sim/cli/unit.h"
-#include "host_sim/live/send.h"
-#include "host_sim/scene/scene_words.h"
+#include "host_sim/commands.h"
+#include "host_sim/out/cell.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { SETS_MAX = 32, TEXT = 4096 };
-static const double objection_s = 0.05;
+static const double objection_s = 0.05, full_s = 2.0;
+
+const unsigned send_verbs = (1u << ACTION_VERBS) - 1u - (1u << ACTION_FIRE_INPUT) - (1u << ACTION_FAULTS);
 
 /* After commands that are answered only when refused. */
 static int wait_objection(struct sender *s)
@@ -21,284 +20,227 @@ static int wait_objection(struct sender *s)
     return s->refused ? STATUS_FAILED : STATUS_DONE;
 }
 
-static int send_control(struct sender *s, enum control_operation operation, uint64_t argument,
-                        bool named_frame)
+/* Sends a command until it is answered: the first try may repeat a counter of the session's owner. */
+static int send_until_answered(struct sender *s, unsigned kind, const struct action *a, const char *what,
+                               void (*send)(struct sender *s, const struct action *a))
 {
-    send_expect(s, WIRE_CONTROL);
-    for (int i = 0; i < SEND_TRIES; i++) { /* the first try may repeat a counter of the session's owner */
-        client_control(&s->station.client, operation,
-                       named_frame ? s->station.client.latest.frame : argument);
+    send_expect(s, kind);
+    for (int i = 0; i < SEND_TRIES; i++) {
+        send(s, a);
         if (send_answer(s))
             return s->refused ? STATUS_FAILED : STATUS_DONE;
     }
-    return send_no_answer(s, names_text(send_model(s), NAMES_OPERATION, (unsigned)operation));
+    return send_no_answer(s, what);
 }
 
-static int run_enable(struct sender *s, int n, const char *const *word)
+/* ---- session and plant time ---- */
+
+static int run_enable(struct sender *s, const struct action *a)
 {
-    (void)n, (void)word;
-    printf("ENABLE: session %u\n", s->station.client.session);
+    (void)a;
+    printf("ENABLE: session %u\n", s->remote.client.session);
     return STATUS_DONE;
 }
 
-static int run_disable(struct sender *s, int n, const char *const *word)
+static int run_disable(struct sender *s, const struct action *a)
 {
-    (void)n, (void)word;
-    if (!client_close(&s->station.client, SEND_SILENCE_S))
+    (void)a;
+    if (!client_close(&s->remote.client, SEND_SILENCE_S))
         return send_no_answer(s, "disable");
     printf("ENABLE: off\n");
     return STATUS_DONE;
 }
 
-static int run_start(struct sender *s, int n, const char *const *word)
+static enum control_operation operation_of(const struct action *a)
 {
-    (void)n, (void)word;
-    return send_control(s, CONTROL_START, 0, true);
+    static const enum control_operation operation[ACTION_VERBS] = {
+        [ACTION_START] = CONTROL_START, [ACTION_STOP] = CONTROL_STOP,
+        [ACTION_PAUSE] = CONTROL_PAUSE, [ACTION_STEP] = CONTROL_STEP,
+        [ACTION_RESET] = CONTROL_RESET, [ACTION_RUN_UNTIL] = CONTROL_RUN_UNTIL};
+    return operation[a->verb];
 }
 
-static int run_stop(struct sender *s, int n, const char *const *word)
+static void send_control(struct sender *s, const struct action *a)
 {
-    (void)n, (void)word;
-    s->stopped = true;
-    return send_control(s, CONTROL_STOP, 0, true);
+    struct client *c = &s->remote.client;
+    bool counts = a->verb == ACTION_STEP || a->verb == ACTION_RUN_UNTIL;
+    client_control(c, operation_of(a), counts ? a->argument : c->latest.frame);
 }
 
-static int run_pause(struct sender *s, int n, const char *const *word)
+static int run_control(struct sender *s, const struct action *a)
 {
-    (void)n, (void)word;
-    return send_control(s, CONTROL_PAUSE, 0, true);
+    s->stopped = a->verb == ACTION_STOP;
+    return send_until_answered(s, WIRE_CONTROL, a,
+                               names_text(send_model(s), NAMES_OPERATION, (unsigned)operation_of(a)),
+                               send_control);
 }
 
-static int run_reset(struct sender *s, int n, const char *const *word)
-{
-    (void)n, (void)word;
-    return send_control(s, CONTROL_RESET, 0, true);
-}
+/* ---- drives and samples ---- */
 
-static int check_step(const struct sender *s, int n, const char *const *word)
+static int run_arm(struct sender *s, const struct action *a)
 {
-    double x;
-    (void)n;
-    return send_read_whole(word[0], 1.0, 4294967295.0, &x)
-               ? 0
-               : options_misuse(s->o->usage, "step %s: give a number of frames, 1 to 4294967295", word[0]);
-}
-
-static int run_step(struct sender *s, int n, const char *const *word)
-{
-    (void)n;
-    return send_control(s, CONTROL_STEP, strtoull(word[0], NULL, 0), false);
-}
-
-static int check_until(const struct sender *s, int n, const char *const *word)
-{
-    double x;
-    (void)n;
-    return send_read_whole(word[0], 0.0, 1.8e19, &x)
-               ? 0
-               : options_misuse(s->o->usage, "run-until %s: give a plant tick, a multiple of --substeps",
-                                word[0]);
-}
-
-static int run_until(struct sender *s, int n, const char *const *word)
-{
-    (void)n;
-    return send_control(s, CONTROL_RUN_UNTIL, strtoull(word[0], NULL, 0), false);
-}
-
-static int find_input(const struct sender *s, const char *name)
-{
-    const struct model *m = send_model(s);
-    const char *known[MODEL_INPUTS];
-    char advice[OPTIONS_ADVICE];
-    int i = names_find(m, NAMES_INPUT, name);
-    for (int k = 0; k < m->n_inputs; k++)
-        known[k] = m->input_signal[k].name;
-    if (i < 0)
-        options_misuse(s->o->usage, "no input \"%s\"%s", name,
-                       options_advise(name, strlen(name), known, m->n_inputs, NULL, advice, sizeof advice));
-    return i;
-}
-
-/* The words as one text: a unit may be a word of its own. 0, or the exit status after a line. */
-static int join(const struct sender *s, int n, const char *const *word, char text[TEXT])
-{
-    size_t used = 0;
-    *text = '\0';
-    for (int i = 0; i < n && used < TEXT; i++)
-        used += (size_t)snprintf(text + used, TEXT - used, "%s%s", i ? " " : "", word[i]);
-    return used < TEXT ? 0 : options_misuse(s->o->usage, "%s: too many letters", word[0]);
-}
-
-/* FIELD=VALUE words into value[], NaN where not given. */
-static int read_fields(const struct sender *s, int input, int n, const char *const *word, double *value)
-{
-    char text[TEXT], why[SCENE_REASON] = "";
-    struct word name, x, rest;
-    for (int i = 0; i < ARM_FIELDS; i++)
-        value[i] = (double)NAN;
-    if (join(s, n, word, text))
-        return STATUS_MISUSED;
-    rest = (struct word){text, strlen(text)};
-    while (scene_words_next(&rest, &name, &x, why))
-        if (scene_words_field(send_model(s), input, name, x, value, why) < 0)
-            break;
-    return *why ? options_misuse(s->o->usage, "arm: %s", why) : 0;
-}
-
-static int check_arm(const struct sender *s, int n, const char *const *word)
-{
-    double value[ARM_FIELDS];
-    int i = find_input(s, word[0]);
-    return i < 0 ? STATUS_MISUSED : read_fields(s, i, n - 1, word + 1, value);
-}
-
-static int run_arm(struct sender *s, int n, const char *const *word)
-{
-    double value[ARM_FIELDS];
-    int i = find_input(s, word[0]);
-    (void)read_fields(s, i, n - 1, word + 1, value);
-    send_expect(s, WIRE_ARM + (unsigned)i);
+    double field[ARM_FIELDS];
+    action_fields(a, field);
+    send_expect(s, WIRE_ARM + (unsigned)a->input);
     for (int twice = 0; twice < 2; twice++) /* the first frame may repeat a counter of the session's owner */
-        client_arm_fields(&s->station.client, i, value);
-    s->armed |= 1u << i;
+        client_arm_fields(&s->remote.client, a->input, field);
+    s->armed |= 1u << a->input;
     return wait_objection(s);
 }
 
-static int check_fire(const struct sender *s, int n, const char *const *word)
+static void send_fire(struct sender *s, const struct action *a)
 {
-    (void)n, (void)word;
-    if (options_given(s->o, "tick") && options_given(s->o, "in"))
-        return options_misuse(s->o->usage, "fire: --tick and --in both say when; give one of them");
-    return 0;
+    struct client *c = &s->remote.client;
+    uint64_t later = (uint64_t)options_number(s->o, "in") * s->remote.scene.config.substeps;
+    bool named = options_given(s->o, "tick");
+    (void)a;
+    client_fire(c, s->armed, false,
+                named ? strtoull(options_text(s->o, "tick", 0), NULL, 0) : c->latest.tick + later, 0.0);
 }
 
-static int run_fire(struct sender *s, int n, const char *const *word)
+static int run_fire(struct sender *s, const struct action *a)
 {
-    const struct client *c = &s->station.client;
-    uint64_t later = (uint64_t)options_number(s->o, "in") * s->station.scene.config.substeps;
-    bool named = options_given(s->o, "tick");
-    (void)n, (void)word;
     if (!s->armed)
         return options_failure(s->o->usage, "fire: arm something before it on the same command line");
-    send_expect(s, WIRE_FIRE);
-    for (int i = 0; i < SEND_TRIES; i++) {
-        uint64_t tick = named ? strtoull(options_text(s->o, "tick", 0), NULL, 0) : c->latest.tick + later;
-        client_fire(&s->station.client, s->armed, false, tick, 0.0);
-        if (send_answer(s)) {
-            s->armed = 0;
-            return s->refused ? STATUS_FAILED : STATUS_DONE;
-        }
-    }
-    return send_no_answer(s, "fire");
+    int status = send_until_answered(s, WIRE_FIRE, a, "fire", send_fire);
+    s->armed = s->answered ? 0 : s->armed;
+    return status;
 }
 
-/* VALUE, with its unit or SI. */
-static int read_sample(const struct sender *s, int input, int n, const char *const *word, double *x)
+static int run_stream(struct sender *s, const struct action *a)
 {
-    char text[TEXT], why[UNIT_REASON];
-    if (join(s, n, word, text))
-        return STATUS_MISUSED;
-    return unit_read_or_bare(text, strlen(text), send_model(s)->input_signal[input].unit, x, why)
-               ? 0
-               : options_misuse(s->o->usage, "stream: %s", why);
-}
-
-static int check_stream(const struct sender *s, int n, const char *const *word)
-{
-    double x;
-    int i = find_input(s, word[0]);
-    return i < 0 ? STATUS_MISUSED : read_sample(s, i, n - 1, word + 1, &x);
-}
-
-static int run_stream(struct sender *s, int n, const char *const *word)
-{
-    double x = 0.0;
-    int i = find_input(s, word[0]);
-    (void)read_sample(s, i, n - 1, word + 1, &x);
-    client_poll(&s->station.client);
-    send_expect(s, WIRE_STREAM + (unsigned)i);
+    struct client *c = &s->remote.client;
+    client_poll(c);
+    send_expect(s, WIRE_STREAM + (unsigned)a->input);
     for (int twice = 0; twice < 2; twice++) /* as for arm */
-        client_stream(&s->station.client, i,
-                      s->station.client.latest.tick / s->station.scene.config.substeps + 2, x);
+        client_stream(c, a->input, c->latest.tick / s->remote.scene.config.substeps + 2, a->sample);
     return wait_objection(s);
 }
 
-/* 0 and how many, or the exit status after a line. */
-static int read_sets(const struct sender *s, int n, const char *const *word, unsigned *index, double *value,
-                     int *count)
+/* ---- parameters and settings ---- */
+
+static void send_set(struct sender *s, const struct action *a)
 {
-    char text[TEXT], why[SCENE_REASON] = "";
-    struct word name, x, rest;
-    if (join(s, n, word, text))
-        return STATUS_MISUSED;
-    rest = (struct word){text, strlen(text)};
-    for (*count = 0; scene_words_next(&rest, &name, &x, why); (*count)++) {
-        if (*count == SETS_MAX)
-            return options_misuse(s->o->usage, "set: more than %d values", SETS_MAX);
-        int found = scene_words_read(send_model(s), name, x, &value[*count], why);
-        if (found < 0)
-            break;
-        index[*count] = (unsigned)found;
-    }
-    return *why ? options_misuse(s->o->usage, "set: %s", why) : 0;
+    unsigned index[ACTION_SETS];
+    double value[ACTION_SETS];
+    action_split_set(a, index, value);
+    client_set(&s->remote.client, a->n, index, value, COMMIT_NOW);
 }
 
-static int check_set(const struct sender *s, int n, const char *const *word)
+static int run_set(struct sender *s, const struct action *a)
 {
-    unsigned index[SETS_MAX];
-    double value[SETS_MAX];
-    int count;
-    return read_sets(s, n, word, index, value, &count);
+    return send_until_answered(s, WIRE_PARAM_COMMIT, a, "set", send_set);
 }
 
-static int run_set(struct sender *s, int n, const char *const *word)
+static int run_read(struct sender *s, const struct action *a)
 {
-    unsigned index[SETS_MAX];
-    double value[SETS_MAX];
-    int count;
-    (void)read_sets(s, n, word, index, value, &count);
-    send_expect(s, WIRE_PARAM_COMMIT);
-    for (int i = 0; i < SEND_TRIES; i++) {
-        client_set(&s->station.client, count, index, value, COMMIT_NOW);
-        if (send_answer(s))
-            return s->refused ? STATUS_FAILED : STATUS_DONE;
-    }
-    return send_no_answer(s, "set");
-}
-
-static int check_read(const struct sender *s, int n, const char *const *word)
-{
-    char why[SCENE_REASON];
-    (void)n;
-    return scene_find(send_model(s), word[0], why) < 0 ? options_misuse(s->o->usage, "%s", why) : 0;
-}
-
-static int run_read(struct sender *s, int n, const char *const *word)
-{
-    char why[SCENE_REASON];
-    unsigned index = (unsigned)scene_find(send_model(s), word[0], why);
+    unsigned index = a->set[0].index;
     double x = send_ask(s, index);
-    (void)n;
     if (isnan(x))
         return send_no_answer(s, "read");
-    printf("%s = %.9g %s\n", word[0], x, scene_parameter(send_model(s), (int)index)->unit);
+    printf("%s = %.9g %s\n", a->text, x, scene_parameter(send_model(s), (int)index)->unit);
     return STATUS_DONE;
 }
 
-const struct send_verb send_verb[SEND_VERBS] = {
-    {"enable", 0, 0, NULL, run_enable},
-    {"disable", 0, 0, NULL, run_disable},
-    {"start", 0, 0, NULL, run_start},
-    {"stop", 0, 0, NULL, run_stop},
-    {"pause", 0, 0, NULL, run_pause},
-    {"step", 1, 1, check_step, run_step},
-    {"run-until", 1, 1, check_until, run_until},
-    {"reset", 0, 0, NULL, run_reset},
-    {"arm", 2, OPTIONS_WORDS, check_arm, run_arm},
-    {"fire", 0, 0, check_fire, run_fire},
-    {"stream", 2, OPTIONS_WORDS, check_stream, run_stream},
-    {"set", 1, OPTIONS_WORDS, check_set, run_set},
-    {"read", 1, 1, check_read, run_read},
-    {"capture", 1, 3, send_check_capture, send_run_capture},
-};
+/* ---- bursts ---- */
+
+static void print_burst(const struct sender *s)
+{
+    const struct model *m = send_model(s);
+    printf("sample");
+    for (int k = 0; k < m->n_outputs; k++)
+        printf(",%s", m->output_signal[k].name);
+    for (uint32_t i = 0; i < s->count; i++) {
+        printf("\n%u", (unsigned)(s->first + i));
+        for (int k = 0; k < m->n_outputs; k++)
+            putchar(','), cell_put(stdout, (double)s->burst[i * (uint32_t)m->n_outputs + (uint32_t)k], 9);
+    }
+    printf("\n");
+}
+
+/* Takes values until the plant sends no more. True when all came. */
+static bool collect_burst(struct sender *s)
+{
+    const uint64_t *count = &s->remote.client.latest.count[WIRE_CAPTURE_DATA];
+    uint64_t seen;
+    do {
+        seen = *count;
+        double end = clock_now_s() + SEND_ANSWER_S;
+        s->answered = false;
+        while (clock_now_s() < end && !clock_interrupted())
+            (void)send_wait(s, SEND_LOOK_S);
+    } while (*count != seen && !clock_interrupted());
+    bool complete = true;
+    for (uint32_t i = 0; i < s->count * (uint32_t)send_model(s)->n_outputs; i++)
+        complete = complete && !isnan(s->burst[i]);
+    return complete;
+}
+
+static void send_capture(struct sender *s, const struct action *a)
+{
+    client_capture(&s->remote.client, (enum capture_operation)a->operation, s->first, s->count);
+}
+
+/* Waits for a burst that is filling, as HEALTH says. If there is none then, the plant refuses to read it
+ * out. */
+static void wait_full(struct sender *s)
+{
+    double *state = &s->remote.client.latest.health[DIAG_CAPTURE_STATE], end = clock_now_s() + full_s;
+    *state = (double)NAN; /* the state before the last command does not count */
+    send_expect(s, WIRE_CAPTURE);
+    while (*state != CAPTURE_FULL && *state != CAPTURE_IDLE && clock_now_s() < end && !clock_interrupted())
+        (void)send_wait(s, SEND_LOOK_S);
+}
+
+static int read_burst(struct sender *s, const struct action *a)
+{
+    double count = a->count ? a->count : send_ask(s, SETTING_FIRST + SET_CAPTURE_SAMPLES);
+    if (!(count >= 1.0 && count <= 65535.0))
+        return send_no_answer(s, "read capture_samples");
+    s->first = a->first;
+    s->count = (uint32_t)count;
+    size_t n_values = (size_t)s->count * (size_t)send_model(s)->n_outputs;
+    s->burst = malloc(n_values * sizeof *s->burst);
+    if (!s->burst)
+        return options_failure(s->o->usage, "out of memory");
+    for (size_t i = 0; i < n_values; i++)
+        s->burst[i] = NAN;
+    wait_full(s);
+    int status = send_until_answered(s, WIRE_CAPTURE, a, "capture", send_capture);
+    if (status)
+        return status;
+    bool complete = collect_burst(s);
+    print_burst(s);
+    free(s->burst);
+    s->burst = NULL;
+    return complete ? STATUS_DONE
+                    : options_failure(s->o->usage,
+                                      "some values did not arrive: their cells are empty; read again");
+}
+
+static int run_capture(struct sender *s, const struct action *a)
+{
+    if (a->operation == CAPTURE_READ)
+        return read_burst(s, a);
+    s->first = s->count = 0;
+    return send_until_answered(s, WIRE_CAPTURE, a, "capture", send_capture);
+}
+
+int send_check(const struct sender *s, const struct action *a)
+{
+    if (a->verb == ACTION_FIRE && options_given(s->o, "tick") && options_given(s->o, "in"))
+        return options_misuse(s->o->usage, "fire: --tick and --in both say when; give one of them");
+    return STATUS_DONE;
+}
+
+int send_run(struct sender *s, const struct action *a)
+{
+    static int (*const run[ACTION_VERBS])(struct sender * s, const struct action *a) = {
+        [ACTION_ENABLE] = run_enable,     [ACTION_DISABLE] = run_disable, [ACTION_START] = run_control,
+        [ACTION_STOP] = run_control,      [ACTION_PAUSE] = run_control,   [ACTION_STEP] = run_control,
+        [ACTION_RUN_UNTIL] = run_control, [ACTION_RESET] = run_control,   [ACTION_ARM] = run_arm,
+        [ACTION_FIRE] = run_fire,         [ACTION_STREAM] = run_stream,   [ACTION_SET] = run_set,
+        [ACTION_READ] = run_read,         [ACTION_CAPTURE] = run_capture,
+    };
+    return run[a->verb](s, a);
+}

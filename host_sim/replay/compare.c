@@ -6,6 +6,7 @@
 #include <string.h>
 #include "host_sim/cli/unit.h"
 #include "host_sim/commands.h"
+#include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 
 static const struct option compare_options[] = {
@@ -38,9 +39,9 @@ static const struct usage compare_usage = {
 /* ---- two logs ---- */
 
 struct side {
-    struct decode log;
+    struct decode_log log;
     uint64_t zero, last;
-    int got; /* as decode_next */
+    int got; /* as decode_log_next */
     struct decode_row row;
 };
 
@@ -49,7 +50,7 @@ static void step(struct side *s)
 {
     unsigned run = s->row.run;
     do {
-        s->got = decode_next(&s->log, &s->row);
+        s->got = decode_log_next(&s->log, &s->row);
         if (s->got > 0 && s->row.run != run)
             s->zero = s->last = 0;
         run = s->row.run;
@@ -76,7 +77,7 @@ static bool open_side(struct side *s, const struct compare *c, int i, char *text
     const struct app *a = &c->scene->app;
     memset(s, 0, sizeof *s);
     s->zero = s->last = i ? c->zero : 0;
-    const char *reason = decode_open(&s->log, c->path[i], c->interface[i], &a->scene, a->plant.tick_s);
+    const char *reason = decode_log_open(&s->log, c->path[i], c->interface[i], &a->scene, a->plant.tick_s);
     if (reason)
         snprintf(text, COMPARE_TEXT, "%s", reason);
     else
@@ -180,7 +181,7 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
         snprintf(text, COMPARE_TEXT,
                  "%s has no row of this plant while its time runs; is its --base-id another "
                  "one?",
-                 name_of(c, a->log.begun && goes_on(c, a) ? 1 : 0));
+                 name_of(c, a->log.rows.begun && goes_on(c, a) ? 1 : 0));
     return n ? COMPARE_APART : COMPARE_BAD;
 }
 
@@ -193,10 +194,10 @@ enum compare_verdict compare_logs(const struct compare *c, char *text)
     if (open_side(&b, c, 1, text)) {
         v = compare_rows(c, &a, &b, text);
         for (int i = 0; i < 2 && v != COMPARE_BAD; i++)
-            decode_tell(i ? &b.log : &a.log, c->command);
-        decode_close(&b.log);
+            decode_log_tell(i ? &b.log : &a.log, c->command);
+        decode_log_close(&b.log);
     }
-    decode_close(&a.log);
+    decode_log_close(&a.log);
     return v;
 }
 

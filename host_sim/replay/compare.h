@@ -2,7 +2,7 @@
 #ifndef HOST_SIM_COMPARE_H
 #define HOST_SIM_COMPARE_H
 
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
 #include "host_sim/scene/scene_app.h"
 
 enum { COMPARE_TEXT = 400 };

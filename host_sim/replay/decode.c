@@ -1,4 +1,5 @@
 /* decode.c - contactplant decode: a log as a table. */
+#include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/out/cell.h"
 #include "host_sim/cli/chart.h"
@@ -41,14 +42,15 @@ static const struct usage decode_usage = {
     .table = {decode_options, decode_log_options, scene_options},
 };
 
-static int open_log(struct decode *d, const struct options *o, const char *path, const struct scene_app *s)
+static int open_log(struct decode_log *d, const struct options *o, const char *path,
+                    const struct scene_app *s)
 {
     const char *reason =
-        decode_open(d, path, options_text(o, "interface", 0), &s->app.scene, s->app.plant.tick_s);
+        decode_log_open(d, path, options_text(o, "interface", 0), &s->app.scene, s->app.plant.tick_s);
     return reason ? options_failure(o->usage, "%s", reason) : 0;
 }
 
-static void put_event(void *context, const struct decode_event *e)
+static void put_event(void *context, const struct listen_event *e)
 {
     FILE *f = context;
     fprintf(f, "%.12g,%s,%u,", e->t_s, e->touch ? "touchdown" : "liftoff", e->contact);
@@ -105,34 +107,34 @@ static int draw(const struct log_series *r, const struct options *o, const struc
     return options_close(o, "svg", f, why);
 }
 
-static int print_rows(struct decode *d, const struct options *o, const struct model *m, FILE *out)
+static int print_rows(struct decode_log *d, const struct options *o, const struct model *m, FILE *out)
 {
     static struct log_series rows;
     struct decode_row row;
     int got;
     decode_put_header(out, m);
     log_series_begin(&rows, m->n_inputs);
-    while ((got = decode_next(d, &row)) > 0) {
+    while ((got = decode_log_next(d, &row)) > 0) {
         decode_put_row(out, m, &row);
         log_series_add(&rows, &row);
     }
     if (got < 0)
         return options_failure(o->usage, "%s", d->log.reader.reason);
-    if (!d->begun)
+    if (!d->rows.begun)
         return decode_no_rows(o, o->word[0]);
     return options_given(o, "svg") && rows.n ? draw(&rows, o, m) : 0;
 }
 
-static int decode_files(struct decode *d, const struct options *o, const struct model *m)
+static int decode_files(struct decode_log *d, const struct options *o, const struct model *m)
 {
-    bool rows = options_given(o, "out"), told = options_given(o, "events");
+    bool rows = options_given(o, "out"), wanted = options_given(o, "events");
     FILE *out = rows ? options_create(o, "out") : stdout,
-         *events = out && told ? options_create(o, "events") : NULL;
-    bool opened = out && (events || !told);
+         *events = out && wanted ? options_create(o, "events") : NULL;
+    bool opened = out && (events || !wanted);
     if (events)
         fputs("t_s,kind,contact,speed [m/s],peak_force [N]\n", events);
-    d->heard = events ? put_event : NULL;
-    d->context = events;
+    d->rows.events.take = events ? put_event : NULL;
+    d->rows.events.context = events;
     int status = opened ? print_rows(d, o, m, out) : STATUS_FAILED;
     int written = out ? options_close(o, "out", out, NULL) : 0;
     int kept = events ? options_close(o, "events", events, NULL) : 0;
@@ -142,7 +144,7 @@ static int decode_files(struct decode *d, const struct options *o, const struct 
 int cmd_decode(int argc, char **argv)
 {
     static struct scene_app scene;
-    static struct decode d;
+    static struct decode_log d;
     struct options o;
     int status;
     if (!options_parse(&o, &decode_usage, argc, argv, &status))
@@ -151,8 +153,8 @@ int cmd_decode(int argc, char **argv)
     if (!status && !(status = open_log(&d, &o, o.word[0], &scene))) {
         status = decode_files(&d, &o, scene.config.model);
         if (!status)
-            decode_tell(&d, o.usage->name);
-        decode_close(&d);
+            decode_log_tell(&d, o.usage->name);
+        decode_log_close(&d);
     }
     if (!status)
         status =

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 #include "host_sim/cli/options.h"
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
 #include "host_sim/scene/scene.h"
 
 enum { DECODE_NAME = 64 };

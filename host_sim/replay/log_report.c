@@ -2,6 +2,7 @@
 #include "host_sim/replay/log_report.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/report/html_scene.h"
 
@@ -59,26 +60,26 @@ void log_report_row(struct log_report *p, const struct decode_row *row)
     log_series_add(&p->rows, row);
 }
 
-static void take_most(struct log_most *m, double value, bool untold)
+static void take_most(struct log_most *m, double value, bool has_data)
 {
     m->n++;
-    m->n_untold += untold;
-    m->n_beyond += isnan(value) && !untold;
+    m->n_missing += !has_data;
+    m->n_beyond += isnan(value) && has_data;
     m->most = fmax(m->most, fabs(value));
 }
 
-void log_report_event(struct log_report *p, const struct decode_event *e)
+void log_report_event(struct log_report *p, const struct listen_event *e)
 {
     unsigned long n = p->impact.n + p->peak.n;
-    if (n < LOG_SWITCHES_TOLD)
-        p->told[n] = *e;
+    if (n < LOG_SWITCHES_SHOWN)
+        p->shown[n] = *e;
     change(p, e->t_s, e->touch ? p->closed | 1u << e->contact : p->closed & ~(1u << e->contact), true);
     if (e->touch) {
         double speed = fabs(e->speed);
-        take_most(&p->impact, speed, e->untold);
+        take_most(&p->impact, speed, e->has_data);
         decimate_add(&p->impacts, e->t_s, &speed);
     } else {
-        take_most(&p->peak, e->peak_force_N, e->untold);
+        take_most(&p->peak, e->peak_force_N, e->has_data);
     }
 }
 
@@ -104,10 +105,10 @@ static void put_most(struct html *h, const struct log_most *m, const char *what,
     if (m->n_beyond)
         html_words(h, "%s at least %.4g %s: %lu of %lu %s were beyond the bus's range.", what,
                    fmax(range, m->most), unit, m->n_beyond, m->n, which);
-    else if (m->n > m->n_untold)
-        html_words(h, "%s %s%.6g %s.", what, m->n_untold ? "at least " : "", m->most, unit);
-    if (m->n_untold)
-        html_words(h, "%lu of %lu %s are missing in the log.", m->n_untold, m->n, which);
+    else if (m->n > m->n_missing)
+        html_words(h, "%s %s%.6g %s.", what, m->n_missing ? "at least " : "", m->most, unit);
+    if (m->n_missing)
+        html_words(h, "%lu of %lu %s are missing in the log.", m->n_missing, m->n, which);
 }
 
 /* Rows whose contact never changed, and no event: what is known of it. */
@@ -238,9 +239,9 @@ static void put_contact(struct log_report *p)
                   p->impacts.high[0]);
 }
 
-static void put_told(struct html *h, double value, bool untold)
+static void put_value(struct html *h, double value, bool has_data)
 {
-    if (untold)
+    if (!has_data)
         html_cell(h, "%s", "");
     else if (isnan(value))
         html_cell(h, "beyond the range");
@@ -250,19 +251,19 @@ static void put_told(struct html *h, double value, bool untold)
 
 static void put_switches(struct log_report *p)
 {
-    unsigned long n = p->impact.n + p->peak.n, told = n < LOG_SWITCHES_TOLD ? n : LOG_SWITCHES_TOLD;
+    unsigned long n = p->impact.n + p->peak.n, shown = n < LOG_SWITCHES_SHOWN ? n : LOG_SWITCHES_SHOWN;
     char title[64];
-    snprintf(title, sizeof title, told < n ? "Contact switches, the first %lu of %lu" : "Contact switches",
-             told, n);
+    snprintf(title, sizeof title, shown < n ? "Contact switches, the first %lu of %lu" : "Contact switches",
+             shown, n);
     html_table(&p->html, title, "time (s),kind,contact,speed of the gap (m/s),peak force (N)");
-    for (unsigned long i = 0; i < told; i++) {
+    for (unsigned long i = 0; i < shown; i++) {
         html_row(&p->html, false);
-        html_cell(&p->html, "%.12g", p->told[i].t_s);
-        html_cell(&p->html, p->told[i].touch ? "touchdown" : "liftoff");
-        html_cell(&p->html, "%u", p->told[i].contact);
-        put_told(&p->html, p->told[i].speed, p->told[i].untold);
-        if (!p->told[i].touch)
-            put_told(&p->html, p->told[i].peak_force_N, p->told[i].untold);
+        html_cell(&p->html, "%.12g", p->shown[i].t_s);
+        html_cell(&p->html, p->shown[i].touch ? "touchdown" : "liftoff");
+        html_cell(&p->html, "%u", p->shown[i].contact);
+        put_value(&p->html, p->shown[i].speed, p->shown[i].has_data);
+        if (!p->shown[i].touch)
+            put_value(&p->html, p->shown[i].peak_force_N, p->shown[i].has_data);
     }
 }
 
@@ -277,25 +278,25 @@ void log_report_charts(struct log_report *p, const struct scene_app *s, const st
         put_switches(p);
 }
 
-static void hear_row(void *context, const struct decode_event *e)
+static void take_event(void *context, const struct listen_event *e)
 {
     log_report_event(context, e);
 }
 
 /* All rows and events of a log. NULL, or what went wrong. */
-static const char *read_log(struct log_report *p, struct decode *d, const char *log, const char *interface,
-                            const struct scene_app *s)
+static const char *read_log(struct log_report *p, struct decode_log *d, const char *log,
+                            const char *interface, const struct scene_app *s)
 {
     struct decode_row row;
-    const char *why = decode_open(d, log, interface, &s->app.scene, s->app.plant.tick_s);
+    const char *why = decode_log_open(d, log, interface, &s->app.scene, s->app.plant.tick_s);
     int got;
     if (why)
         return why;
-    d->heard = hear_row;
-    d->context = p;
-    while ((got = decode_next(d, &row)) > 0)
+    d->rows.events.take = take_event;
+    d->rows.events.context = p;
+    while ((got = decode_log_next(d, &row)) > 0)
         log_report_row(p, &row);
-    decode_close(d);
+    decode_log_close(d);
     return got < 0 ? d->log.reader.reason : p->no_memory ? "out of memory" : NULL;
 }
 
@@ -304,7 +305,7 @@ int log_report(const struct options *o, const char *log, const char *interface, 
                void (*more)(struct html *h, const void *context), const void *context)
 {
     static struct log_report p;
-    static struct decode d;
+    static struct decode_log d;
     struct html h;
     const char *path = options_text(o, "report", 0), *name = o->n_words ? o->word[0] : s->config.model->name;
     const char *why, *bad;
@@ -314,8 +315,8 @@ int log_report(const struct options *o, const char *log, const char *interface, 
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
     log_report_begin_in(&p, &h, s->config.model);
     bad = read_log(&p, &d, log, interface, s);
-    put_trouble(&p.html, &d.tally, count);
-    log_report_charts(&p, s, &d.tally);
+    put_trouble(&p.html, &d.rows.tally, count);
+    log_report_charts(&p, s, &d.rows.tally);
     log_report_end_in(&p, &h);
     if (more)
         more(&h, context);

@@ -3,7 +3,7 @@
 #ifndef HOST_SIM_LOG_SERIES_H
 #define HOST_SIM_LOG_SERIES_H
 
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
 #include "host_sim/report/decimate.h"
 
 struct log_series {

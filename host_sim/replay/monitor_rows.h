@@ -4,7 +4,7 @@
 
 #include "host_sim/cli/options.h"
 #include "host_sim/out/json.h"
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
 #include "host_sim/scene/scene_app.h"
 
 /* --wide, --json and --batch. */

@@ -12,7 +12,7 @@
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
-#include "host_sim/scope/scope.h"
+#include "host_sim/scope/scope_child.h"
 #include "host_sim/cli/selftest.h"
 
 #include <errno.h>

@@ -18,22 +18,6 @@ const struct parameter *scene_parameter(const struct model *m, int index)
     return NULL;
 }
 
-int scene_find(const struct model *m, const char *name, char *why)
-{
-    const char *names[SETTING_FIRST + SETTINGS];
-    int n = 0, index = names_find(m, NAMES_PARAMETER, name);
-    if (index >= 0)
-        return index;
-    for (unsigned i = 0; i < SETTING_FIRST + SETTINGS; i++)
-        if (names_text(m, NAMES_PARAMETER, i))
-            names[n++] = names_text(m, NAMES_PARAMETER, i);
-    char advice[OPTIONS_ADVICE];
-    snprintf(why, SCENE_REASON, "no parameter or setting \"%s\"%s", name,
-             options_advise(name, strlen(name), names, n, "contactplant list shows them all", advice,
-                            sizeof advice));
-    return -1;
-}
-
 bool scene_accepts(const struct model *m, int index, double value, char *why)
 {
     const struct parameter *p = scene_parameter(m, index);

@@ -36,9 +36,6 @@ bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why);
 /* Sets a model parameter or an app setting by its wire index, to a value that was checked. */
 void scene_set(struct scene_app *s, int index, double value);
 
-/* A parameter or setting by name, as its wire index; -1 and why when there is none, naming the nearest. */
-int scene_find(const struct model *m, const char *name, char *why);
-
 /* The scene's stages in the settings of a plant, which are 0 elsewhere. False: it has none. */
 bool scene_stage_settings(const struct scene *s, double setting[SETTINGS]);
 

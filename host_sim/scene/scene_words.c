@@ -87,6 +87,29 @@ int scene_words_find(const struct model *m, struct word name, struct scene_key *
     return -1;
 }
 
+bool scene_words_no_name(const struct model *m, struct word name, const char *const *key, int n_keys,
+                         char *why)
+{
+    static struct scene_key known[SETTING_FIRST + SETTINGS];
+    const char *names[2 * (SETTING_FIRST + SETTINGS) + SCENE_WORDS_KEYS];
+    char advice[OPTIONS_ADVICE];
+    int n = 0;
+    for (; n < n_keys && n < SCENE_WORDS_KEYS; n++)
+        names[n] = key[n];
+    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++) {
+        if (!scene_parameter(m, i))
+            continue;
+        scene_keys_parameter(scene_parameter(m, i), 0, &known[i]);
+        names[n++] = known[i].name;
+        names[n++] = known[i].full;
+    }
+    snprintf(
+        why, SCENE_REASON, "%.*s: no such %sparameter or setting of %s%s", scene_text_shown(name), name.at,
+        n_keys ? "key, " : "", m->name,
+        options_advise(name.at, name.n, names, n, "contactplant list shows them", advice, sizeof advice));
+    return false;
+}
+
 bool scene_words_set(const struct model *m, int index, const struct scene_key *k, struct word name,
                      struct word value, double *x, char *why)
 {
@@ -99,12 +122,10 @@ bool scene_words_set(const struct model *m, int index, const struct scene_key *k
 int scene_words_read(const struct model *m, struct word name, struct word value, double *x, char *why)
 {
     struct scene_key k;
-    char text[SCENE_TEXT_SHOWN + 1];
     int index = scene_words_find(m, name, &k);
-    if (index >= 0)
-        return scene_words_set(m, index, &k, name, value, x, why) ? index : -1;
-    snprintf(text, sizeof text, "%.*s", scene_text_shown(name), name.at);
-    return scene_find(m, text, why);
+    bool good = index >= 0 ? scene_words_set(m, index, &k, name, value, x, why)
+                           : scene_words_no_name(m, name, NULL, 0, why);
+    return good ? index : -1;
 }
 
 /* ---- drives ---- */

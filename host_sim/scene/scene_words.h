@@ -9,6 +9,8 @@
 #include "host_sim/scene/scene_name.h"
 #include "host_sim/scene/scene_text.h"
 
+enum { SCENE_WORDS_KEYS = 16 }; /* names that may stand beside parameters and settings */
+
 /* Takes NAME=VALUE, with a unit behind a blank or not, off *rest: up to the next NAME=. False at the end, and
  * where it refuses. */
 bool scene_words_next(struct word *rest, struct word *name, struct word *value, char *why);
@@ -19,6 +21,11 @@ bool scene_words_number(const char *name, struct word w, const char *unit, doubl
 
 /* The wire index of a parameter or setting, mass_kg or mass, and its key; -1: there is none. */
 int scene_words_find(const struct model *m, struct word name, struct scene_key *k);
+
+/* Into why: there is no parameter or setting of this name, nor one of these keys; and the nearest name.
+ * Always false. */
+bool scene_words_no_name(const struct model *m, struct word name, const char *const *key, int n_keys,
+                         char *why);
 
 /* A parameter or setting that was found, checked against its table. */
 bool scene_words_set(const struct model *m, int index, const struct scene_key *k, struct word name,

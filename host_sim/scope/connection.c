@@ -185,7 +185,7 @@ static void answer(struct connection *c, struct site *s, const struct http_reque
         answer_sentence(c, HTTP_NOT_FOUND, "there is / and /events", r->head);
 }
 
-/* ---- hearing ---- */
+/* ---- what comes ---- */
 
 static void read_request(struct connection *c, struct site *s)
 {
@@ -225,7 +225,7 @@ bool connection_listens(const struct connection *c)
     return c->state != CONNECTION_FREE && !c->is_half_closed;
 }
 
-void connection_hear(struct connection *c, struct site *s)
+void connection_receive(struct connection *c, struct site *s)
 {
     if (c->is_half_closed) {
         connection_close(c, s); /* only its reset wakes us */
@@ -320,7 +320,7 @@ static void turn_command(struct connection *c, struct site *s)
     bool over = false;
     if (c->first_sent == c->n_first) {
         c->first_sent = 0;
-        c->n_first = control_hear(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
+        c->n_first = control_read(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
         c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
         if (!over)
             ask_whether_there(c);
@@ -362,7 +362,7 @@ void connection_turn(struct connection *c, struct site *s)
         connection_close(c, s);
 }
 
-void site_tell(struct site *s, const char *text, size_t n)
+void site_send(struct site *s, const char *text, size_t n)
 {
     size_t at = (size_t)(s->written % SITE_RING), end = SITE_RING - at;
     memcpy(s->ring + at, text, n < end ? n : end);

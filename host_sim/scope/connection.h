@@ -40,7 +40,7 @@ struct site {
     uint32_t streams_of_one;             /* ... and of one address */
     const struct connection *connection; /* all of the server, to count the streams of an address */
     int n_connections;
-    void (*greet)(void *context, struct json *j); /* writes what a new stream hears first */
+    void (*greet)(void *context, struct json *j); /* writes what a new stream has first */
     void *context;
     struct control control; /* without a token: no command is taken */
 };
@@ -78,7 +78,7 @@ void connection_begin(struct connection *c, int socket, uint32_t address);
 bool connection_listens(const struct connection *c);
 
 /* Something came from it: data, its end, or a reset. */
-void connection_hear(struct connection *c, struct site *s);
+void connection_receive(struct connection *c, struct site *s);
 
 /* Sends what waits, and ends what has had its time. */
 void connection_turn(struct connection *c, struct site *s);
@@ -86,7 +86,7 @@ void connection_turn(struct connection *c, struct site *s);
 void connection_close(struct connection *c, struct site *s);
 
 /* One event for every stream. */
-void site_tell(struct site *s, const char *text, size_t n);
+void site_send(struct site *s, const char *text, size_t n);
 
 /* The answer to a client for which there is no room, whole. */
 extern const char connection_no_room[];

@@ -223,7 +223,7 @@ static size_t say_end(const struct control_plant *p, char *text, size_t room)
     return (size_t)snprintf(text, room, began ? "ended by a signal\n" : "cannot start contactplant send\n");
 }
 
-size_t control_hear(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over)
+size_t control_read(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over)
 {
     struct control_plant *p = &c->plant[i];
     *over = number != p->number;

@@ -51,7 +51,7 @@ uint32_t control_begin(struct control *c, int i, const char *line, size_t n, con
 
 /* The words of command `number` of plant i since the last time, at most `room` bytes. *over: it has ended,
  * and all of it has been heard. */
-size_t control_hear(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over);
+size_t control_read(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over);
 
 /* Nobody listens to this command any more. */
 void control_leave(struct control *c, int i, uint32_t number);

@@ -1,8 +1,8 @@
 /* scope.c - contactplant scope: plants of a bus in a browser. It listens as monitor does and never sends. */
-#include "host_sim/scope/scope.h"
+#include "host_sim/scope/scope_child.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
-#include "host_sim/scope/ear.h"
+#include "host_sim/scope/hub.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,14 +40,14 @@ static const struct usage scope_usage = {
                 "  contactplant scope hertz_rig shaft_bearing@0x240 --bus can:can0\n"
                 "  contactplant scope --http 0.0.0.0:8080             for other machines, too\n"
                 "  contactplant run rig --scope                       without a second terminal\n",
-    .max_words = EAR_PLANTS,
+    .max_words = HUB_PLANTS,
     .table = {scope_command_options, bus_options, scene_options},
 };
 
 struct scope {
     const struct options *o;
-    struct ear ear;
-    struct bus bus[EAR_PLANTS];
+    struct hub hub;
+    struct bus bus[HUB_PLANTS];
     int n_buses;
 };
 
@@ -62,14 +62,14 @@ static bool cut_id(char *word, double *id)
 }
 
 /* The identifiers of this plant are a block of their own. */
-static int check_id(const struct scope *s, const struct voice *v)
+static int check_id(const struct scope *s, const struct decoder *d)
 {
-    const struct app_config *c = &v->scene.config;
-    for (int i = 0; i < v->number; i++) {
-        const struct app_config *other = &s->ear.voice[i]->scene.config;
+    const struct app_config *c = &d->scene.config;
+    for (int i = 0; i < d->number; i++) {
+        const struct app_config *other = &s->hub.decoder[i]->scene.config;
         if (other->base_id == c->base_id)
             return options_misuse(&scope_usage, "%s and %s have the identifiers from 0x%X on; write %s@0x%X",
-                                  s->ear.voice[i]->name, v->name, c->base_id, v->name,
+                                  s->hub.decoder[i]->name, d->name, c->base_id, d->name,
                                   c->base_id + WIRE_BASE_ALIGN);
     }
     return STATUS_DONE;
@@ -80,45 +80,45 @@ static int add_word_plant(struct scope *s, int i)
 {
     const char *bus = options_text(s->o, "bus", 0), *peer = options_text(s->o, "peer", 0);
     struct options o = *s->o;
-    char word[VOICE_NAME], why[SCENE_REASON];
+    char word[DECODER_NAME], why[SCENE_REASON];
     double id = 0.0;
     snprintf(word, sizeof word, "%s", i < o.n_words ? o.word[i] : "hertz_rig");
     bool has_id = cut_id(word, &id);
     if (i < o.n_words)
         o.word[i] = word;
-    struct voice *v = ear_add(&s->ear, word);
-    if (!v)
+    struct decoder *d = hub_add(&s->hub, word);
+    if (!d)
         return options_failure(&scope_usage, "out of memory");
-    if (!scene_from_options(&v->scene, &o, i))
+    if (!scene_from_options(&d->scene, &o, i))
         return STATUS_MISUSED;
     if (has_id && !(id >= 0.0 && id <= 0x7FF - (WIRE_KINDS - 1) && fmod(id, WIRE_BASE_ALIGN) == 0.0))
         return options_misuse(&scope_usage, "%s: after @ stands a multiple of 0x%X up to 0x7C0", o.word[i],
                               WIRE_BASE_ALIGN);
     if (has_id)
-        v->scene.config.base_id = (uint32_t)id;
-    if (!scene_start(&v->scene, NULL, why))
+        d->scene.config.base_id = (uint32_t)id;
+    if (!scene_start(&d->scene, NULL, why))
         return options_misuse(&scope_usage, "%s", why);
-    voice_begin(v);
-    ear_command(&s->ear, v, s->o, bus ? bus : "udp:20002", peer ? peer : "127.0.0.1:20000");
-    return check_id(s, v);
+    decoder_begin(d);
+    hub_command(&s->hub, d, s->o, bus ? bus : "udp:20002", peer ? peer : "127.0.0.1:20000");
+    return check_id(s, d);
 }
 
 /* One bus for all over UDP; on CAN one for each plant, as a socket takes the identifiers of one. */
 static int open_buses(struct scope *s)
 {
     int status = STATUS_DONE;
-    for (int i = 0; i < s->ear.n_voices && !status; i++) {
-        struct voice *v = s->ear.voice[i];
+    for (int i = 0; i < s->hub.n_decoders && !status; i++) {
+        struct decoder *d = s->hub.decoder[i];
         struct bus *b = &s->bus[s->n_buses];
         if (i == 0 || s->bus[0].kind == BUS_CAN) {
-            status = bus_open_options(b, s->o, BUS_MONITOR, &v->scene.app.scene);
+            status = bus_open_options(b, s->o, BUS_MONITOR, &d->scene.app.scene);
             s->n_buses += !status;
-            s->ear.source[i] = (struct source){&b->hal, b};
-            s->ear.n_sources += !status;
+            s->hub.source[i] = (struct source){&b->hal, b};
+            s->hub.n_sources += !status;
         }
-        v->hears_commands = s->bus[0].kind == BUS_CAN;
+        d->has_commands = s->bus[0].kind == BUS_CAN;
         if (!status)
-            bus_describe(&s->bus[0], v->bus);
+            bus_describe(&s->bus[0], d->bus);
     }
     return status;
 }
@@ -145,30 +145,30 @@ static void print_news(struct scope *s)
 
 /* A plant that turns out to be another one is told here,
  * too, with its parts as far as they are known by then. */
-static void print_others(const struct scope *s, bool *told)
+static void print_others(const struct scope *s, bool *printed)
 {
-    for (int i = 0; i < s->ear.n_voices; i++) {
-        const struct voice *v = s->ear.voice[i];
-        bool other = v->told.identity == CLIENT_OTHER;
-        bool settled = other && clock_now_s() > v->told.why_s + settle_s;
-        if (settled && !told[i])
-            fprintf(stderr, "contactplant scope: %s: %s\n", v->name, v->told.why);
-        told[i] = other && (told[i] || settled);
+    for (int i = 0; i < s->hub.n_decoders; i++) {
+        const struct decoder *d = s->hub.decoder[i];
+        bool other = d->sent.identity == CLIENT_OTHER;
+        bool settled = other && clock_now_s() > d->sent.why_s + settle_s;
+        if (settled && !printed[i])
+            fprintf(stderr, "contactplant scope: %s: %s\n", d->name, d->sent.why);
+        printed[i] = other && (printed[i] || settled);
     }
 }
 
 static int listen_in(struct scope *s)
 {
     double duration = options_number(s->o, "duration"), end = clock_now_s() + duration;
-    bool told[EAR_PLANTS] = {false}, heard = false;
+    bool printed[HUB_PLANTS] = {false}, heard = false;
     char why[BUS_REASON];
     while (!clock_interrupted() && !(duration > 0.0 && clock_now_s() >= end)) {
-        ear_turn(&s->ear);
+        hub_turn(&s->hub);
         print_news(s);
-        print_others(s, told);
+        print_others(s, printed);
     }
-    for (int i = 0; i < s->ear.n_voices; i++)
-        heard = heard || s->ear.voice[i]->heard_s > 0.0;
+    for (int i = 0; i < s->hub.n_decoders; i++)
+        heard = heard || s->hub.decoder[i]->received_s > 0.0;
     if (!bus_end_record(&s->bus[0], why))
         return options_failure(&scope_usage, "%s", why);
     return heard ? STATUS_DONE
@@ -183,7 +183,7 @@ static int scope(struct scope *s)
     for (int i = 0; i < n && !status; i++)
         status = add_word_plant(s, i);
     status = status ? status : open_buses(s);
-    status = status ? status : ear_open(&s->ear, s->o, at ? at : SCOPE_AT); /* says that it is there */
+    status = status ? status : hub_open(&s->hub, s->o, at ? at : SCOPE_AT); /* says that it is there */
     status = status ? status : record(s); /* last: it empties a log of before */
     clock_catch_signals();
     return status ? status : listen_in(s);
@@ -199,11 +199,11 @@ int cmd_scope(int argc, char **argv)
     if (!s)
         return options_failure(&scope_usage, "out of memory");
     s->o = &o;
-    s->ear.server.socket = -1;
+    s->hub.server.socket = -1;
     status = scope(s);
     for (int i = 0; i < s->n_buses; i++)
         bus_close(&s->bus[i]);
-    ear_close(&s->ear, "the scope has ended");
+    hub_close(&s->hub, "the scope has ended");
     free(s);
     return status;
 }

@@ -133,7 +133,7 @@ static void take_client(struct server *s, int socket, uint32_t address)
         return;
     }
     connection_begin(c, socket, address);
-    connection_hear(c, &s->site);
+    connection_receive(c, &s->site);
     connection_turn(c, &s->site);
 }
 
@@ -166,19 +166,19 @@ void server_turn(struct server *s, int ms)
         return;
     for (int i = 0; i < SERVER_CONNECTIONS; i++)
         if (p[i].revents)
-            connection_hear(&s->connection[i], &s->site);
+            connection_receive(&s->connection[i], &s->site);
     if (p[SERVER_CONNECTIONS].revents)
         take_clients(s);
 }
 
-void server_tell(struct server *s, const char *text, size_t n)
+void server_send(struct server *s, const char *text, size_t n)
 {
-    site_tell(&s->site, text, n);
+    site_send(&s->site, text, n);
 }
 
-void server_tell_json(struct server *s, const struct json *j)
+void server_send_json(struct server *s, const struct json *j)
 {
-    site_tell(&s->site, j->at, j->n);
+    site_send(&s->site, j->at, j->n);
 }
 
 void server_close(struct server *s)

@@ -37,8 +37,8 @@ void server_describe(const struct server *s, char *text);
 bool server_is_local(const struct server *s);
 
 /* One event for every stream. */
-void server_tell(struct server *s, const char *text, size_t n);
-void server_tell_json(struct server *s, const struct json *j);
+void server_send(struct server *s, const char *text, size_t n);
+void server_send_json(struct server *s, const struct json *j);
 
 /* Serves whoever wants something, and waits at most `ms` for it. */
 void server_turn(struct server *s, int ms);

@@ -1,12 +1,10 @@
-/* measure.c - one measurement: sums over a window of ticks,
- * contact switches and bus frames, and the value they give. */
-#include "host_sim/trial/metric.h"
+/* measure.c - see measure.h. Sums over a window of ticks, contact switches and bus frames give the value. */
+#include "host_sim/trial/measure.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/cli/ticks.h"
-#include "host_sim/trial/fit.h"
 #include "models/math/elementary.h"
 
 #define TAIL 0.1 /* the steady error's share of the window */

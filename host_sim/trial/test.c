@@ -15,6 +15,7 @@
 #include "host_sim/trial/record.h"
 #include "host_sim/trial/report.h"
 #include "host_sim/trial/trial_html.h"
+#include "host_sim/trial/trial_read.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -44,8 +44,8 @@ const char *trial_afm_refuse(const struct trial_case *c)
             c->expect[i].what.kind == METRIC_RESIDUAL)
             return "expect: a microscope tells no impact_speed, watch or residual";
     for (int i = 0; i < c->n_acts; i++)
-        for (int k = 0; k < c->act[i].n; k++)
-            if (c->act[i].set[k].index < LEVER_PARAMETERS)
+        for (int k = 0; k < c->act[i].what.n; k++)
+            if (c->act[i].what.set[k].index < LEVER_PARAMETERS)
                 return "at: set: the lever stays as it is; numbers of the microscope may change";
     return NULL;
 }

@@ -4,6 +4,7 @@
 #define HOST_SIM_AFM_TRIAL_AFM_H
 
 #include "firmware/afm/station.h"
+#include "host_sim/trial/measure.h"
 #include "host_sim/trial/trial.h"
 
 /* Names alone: its functions are NULL. Inputs are those of struct microscope_in. */

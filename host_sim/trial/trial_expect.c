@@ -1,5 +1,5 @@
-/* trial_expect.c - the `expect` lines of a test file: metric, operator, value and window. */
-#include "host_sim/trial/trial.h"
+/* trial_expect.c - see trial_expect.h. */
+#include "host_sim/trial/trial_expect.h"
 
 #include <math.h>
 #include <stdio.h>

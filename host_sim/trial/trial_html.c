@@ -1,5 +1,6 @@
 /* trial_html.c - see trial_html.h. */
 #include "host_sim/trial/trial_html.h"
+#include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/log_report.h"
 #include "host_sim/trial/bench/bench_plant.h"
 
@@ -102,19 +103,19 @@ struct excerpt {
     double from_s, to_s;
 };
 
-static void hear(void *context, const struct decode_event *e)
+static void take_event(void *context, const struct listen_event *e)
 {
     struct excerpt *x = context;
     if (x->report.rows.n && e->t_s >= x->from_s && e->t_s <= x->to_s)
         log_report_event(&x->report, e);
 }
 
-static void read_excerpt(struct excerpt *x, struct decode *d)
+static void read_excerpt(struct excerpt *x, struct decode_log *d)
 {
     struct decode_row row;
-    d->heard = hear;
-    d->context = x;
-    while (decode_next(d, &row) > 0)
+    d->rows.events.take = take_event;
+    d->rows.events.context = x;
+    while (decode_log_next(d, &row) > 0)
         if (row.t_s >= x->from_s && row.t_s <= x->to_s)
             log_report_row(&x->report, &row);
 }
@@ -124,7 +125,7 @@ static void put_charts(struct html *h, const struct report_case *r, const struct
 {
     static struct bench_plant plant;
     static struct excerpt x;
-    static struct decode d;
+    static struct decode_log d;
     const struct bench_result *w = r->worst;
     double when_s = o->value.when_s, width_s = when_s < w->plant_s ? around_s : w->plant_s;
     char why[TRIAL_REASON];
@@ -134,15 +135,15 @@ static void put_charts(struct html *h, const struct report_case *r, const struct
         x.from_s = when_s - width_s;
         x.to_s = when_s + width_s;
         const char *refused =
-            decode_open(&d, w->log, NULL, &plant.scene.app.scene, plant.scene.app.plant.tick_s);
+            decode_log_open(&d, w->log, NULL, &plant.scene.app.scene, plant.scene.app.plant.tick_s);
         if (refused) {
             html_words(&x.report.html, "No charts: %s.", refused);
         } else {
             read_excerpt(&x, &d);
-            decode_close(&d);
+            decode_log_close(&d);
             html_words(&x.report.html, "%s, line %d, failed at %.9g s:", r->c->name,
                        o->line ? o->line : r->c->line, when_s);
-            log_report_charts(&x.report, &plant.scene, &d.tally);
+            log_report_charts(&x.report, &plant.scene, &d.rows.tally);
         }
         log_report_end_in(&x.report, h);
     }

@@ -1,5 +1,5 @@
-/* trial_keys.c - the keys of a test file and their values; see trial.h. */
-#include "host_sim/trial/trial.h"
+/* trial_keys.c - see trial_keys.h. */
+#include "host_sim/trial/trial_keys.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +25,7 @@ struct key {
 
 static bool add_set(struct trial_reader *r, struct trial_plant *p, struct word name, struct word value)
 {
-    struct trial_set set = {0, 0.0};
+    struct action_set set = {0, 0.0};
     int i = 0;
     if (!trial_read_set(r, name, value, &set))
         return false;
@@ -139,7 +139,7 @@ static bool take_seeds(struct trial_reader *r, struct word value)
 static bool take_vary(struct trial_reader *r, struct word value)
 {
     struct word steps, from, to, name = scene_text_take(&value);
-    struct trial_set a = {0, 0.0}, b = {0, 0.0};
+    struct action_set a = {0, 0.0}, b = {0, 0.0};
     double n;
     if (!trial_take_tail(&value, "in", &steps) || !trial_split_range(value, &from, &to))
         return trial_wrong(r, "vary: write NAME A .. B in N, for instance mass 5 kg .. 8 kg in 4");

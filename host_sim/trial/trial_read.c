@@ -1,9 +1,12 @@
-/* trial_read.c - the sections of a test file, and what a case must have; see trial.h. */
-#include "host_sim/trial/trial.h"
+/* trial_read.c - see trial_read.h: the sections of a test file, and what a case must have. */
+#include "host_sim/trial/trial_read.h"
 
 #include <math.h>
 #include <string.h>
 #include "host_sim/cli/options.h"
+#include "host_sim/trial/trial_at.h"
+#include "host_sim/trial/trial_expect.h"
+#include "host_sim/trial/trial_keys.h"
 
 /* Whether the plant and the controller are known, as every case needs. */
 static bool check_before_case(struct trial_reader *r)

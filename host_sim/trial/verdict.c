@@ -134,17 +134,33 @@ void verdict_judge(const struct evidence *e, const struct trial_case *c, struct 
 
 /* ---- a golden log ---- */
 
-int verdict_open_record(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH])
-{
-    if (!s->log)
-        return files_make_temporary(path, BENCH_PATH);
-    controller_log_path(s, r, ".log", path);
-    return -1;
-}
-
-const char *verdict_record_place(const struct bench_setting *s)
+/* The option, or else the variable, that says where the record is. */
+static const char *place(const struct bench_setting *s)
 {
     return s->log ? "--log" : "TMPDIR";
+}
+
+bool verdict_begin_record(const struct bench_setting *s, struct bench_result *r, struct bus *bus,
+                          struct verdict_record *to)
+{
+    char why[BUS_REASON];
+    to->file = -1;
+    if (!s->log && !*s->trial->cases[r->i_case].golden)
+        return true;
+    if (s->log)
+        controller_log_path(s, r, ".log", to->path);
+    else
+        to->file = files_make_temporary(to->path, BENCH_PATH);
+    snprintf(r->log, sizeof r->log, "%s", s->log ? to->path : "");
+    return bus_record(bus, to->path, 0, why) ||
+           controller_fail(r, "%s: cannot write %.400s", place(s), to->path);
+}
+
+void verdict_end_record(const struct bench_setting *s, struct bench_result *r, struct bus *bus)
+{
+    char why[BUS_REASON];
+    if (!bus_end_record(bus, why) && r->verdict != VERDICT_ERROR)
+        controller_fail(r, "%s: %s", place(s), why);
 }
 
 /* A signal that is compared comes from the controller alone. */

@@ -2,8 +2,10 @@
 #ifndef HOST_SIM_VERDICT_H
 #define HOST_SIM_VERDICT_H
 
+#include "host_sim/live/bus.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/trial/bench/bench.h"
+#include "host_sim/trial/measure.h"
 
 enum { VERDICT_MEASUREMENTS = TRIAL_EXPECTS + BENCH_IMPLICIT + BENCH_TRUTHS };
 
@@ -27,12 +29,19 @@ void verdict_truths(const struct trial_case *c, struct metric_setting *s);
 void verdict_judge(const struct evidence *e, const struct trial_case *c, struct measurement *m, int n,
                    struct bench_result *r);
 
-/* Where the log of a run goes: that of --log, or a file without a name, which ends when the file that is
- * returned is closed (else -1). Whatever ends the run, nothing is left. */
-int verdict_open_record(const struct bench_setting *s, const struct bench_result *r, char path[BENCH_PATH]);
+/* The log of a run: that of --log, or a file without a name, which ends when `file` is closed (else it is
+ * -1). Whatever ends the run, nothing is left. */
+struct verdict_record {
+    char path[BENCH_PATH]; /* "": none */
+    int file;
+};
 
-/* The option, or else the variable, that says where the record is. */
-const char *verdict_record_place(const struct bench_setting *s);
+/* Records the bus from here on, where --log or a golden log ask for it. False: the result has the error. */
+bool verdict_begin_record(const struct bench_setting *s, struct bench_result *r, struct bus *bus,
+                          struct verdict_record *to);
+
+/* Ends it, or notes the error. */
+void verdict_end_record(const struct bench_setting *s, struct bench_result *r, struct bus *bus);
 
 /* Why commands are not judged where the controller is not heard and the plant does not echo its samples. */
 #define VERDICT_DEAF "over UDP only the plant hears the controller, and it does not echo samples"

@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/names.h"
+#include "host_sim/live/client_host.h"
 
 enum { OPENINGS = 10 };
 
@@ -127,8 +129,7 @@ int bench_answer(unsigned kind, bool sent)
 
 void bench_set(const char *name, double value)
 {
-    char why[SCENE_REASON];
-    unsigned index = (unsigned)scene_find(bench.scene.config.model, name, why);
+    unsigned index = (unsigned)names_find(bench.scene.config.model, NAMES_PARAMETER, name);
     struct client *c = &bench.client;
     bench_check("a set of one is taken",
                 bench_answer(WIRE_PARAM_COMMIT, client_set(c, 1, &index, &value, COMMIT_NOW)), CAUSE_OK);
@@ -170,13 +171,12 @@ void bench_open_session(void)
 {
     const char *const name[] = {"timeout_frames", "age_limit_frames"};
     const double value[] = {BENCH_PATIENCE, BENCH_PATIENCE};
-    char why[SCENE_REASON];
     struct client *c = &bench.client;
     unsigned index[2];
     int cause = -1;
     bool alive = client_wait_alive(c, bench_limit_s());
     for (int i = 0; i < 2; i++)
-        index[i] = (unsigned)scene_find(bench.scene.config.model, name[i], why);
+        index[i] = (unsigned)names_find(bench.scene.config.model, NAMES_PARAMETER, name[i]);
     for (int i = 0; alive && i < OPENINGS && cause != CAUSE_OK; i++) {
         c->session = (uint8_t)(c->latest.session % WIRE_SESSIONS + 1);
         bench_gather();

@@ -23,6 +23,7 @@
 #include <unistd.h>
 #include "hal/board/board.h"
 #include "hal/ethernet/net.h"
+#include "host_sim/cli/names.h"
 #include "models/hertz_rig.h"
 #include "tests/boards/board_bench.h"
 #include "tests/boards/board_hostile.h"
@@ -122,9 +123,8 @@ static void send_damaged(void)
  * is away after it is part of the silence. */
 static void fall_silent(void)
 {
-    char why[SCENE_REASON];
     const double timeout = TIMEOUT;
-    unsigned index = (unsigned)scene_find(bench.scene.config.model, "timeout_frames", why);
+    unsigned index = (unsigned)names_find(bench.scene.config.model, NAMES_PARAMETER, "timeout_frames");
     bench.reaction_frame = 0;
     bench_gather();
     bool sent = client_enable(client, true) && client_set(client, 1, &index, &timeout, COMMIT_NOW);

@@ -19,8 +19,10 @@
 #include <unistd.h>
 #include "hal/link/loopback.h"
 #include "hal/posix/socketcan.h"
+#include "host_sim/cli/names.h"
 #include "models/hertz_rig.h"
 #include "tests/boards/board_bench.h"
+#include "host_sim/live/client_host.h"
 
 enum {
     HASH_EVERY = 8, /* frames */
@@ -97,10 +99,9 @@ static int n_orders;
 
 static bool send_order(struct client *c, const struct order *o)
 {
-    char why[SCENE_REASON];
     bool sent = client_arm(c, o->channel, o->field[0], o->field[1], o->field[2], o->field[3]);
     if (o->damping > 0.0) {
-        unsigned index = (unsigned)scene_find(bench.scene.config.model, "damping_N_s_per_m", why);
+        unsigned index = (unsigned)names_find(bench.scene.config.model, NAMES_PARAMETER, "damping_N_s_per_m");
         sent = client_set(c, 1, &index, &o->damping, COMMIT_WITH_FIRE) && sent;
     }
     return client_fire(c, 1u << o->channel, o->damping > 0.0, o->tick, o->fraction) && sent;

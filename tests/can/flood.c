@@ -20,7 +20,7 @@
 #include <unistd.h>
 #include "firmware/app/app.h"
 #include "host_sim/live/bus.h"
-#include "host_sim/live/client.h"
+#include "host_sim/live/client_host.h"
 #include "host_sim/cli/clock.h"
 #include "models/hertz_rig.h"
 

@@ -228,7 +228,8 @@ refuses 2 "go" run --bus can:can0 --peer 127.0.0.1:1
 refuses 2 "at most 4 peers" run --peer 127.0.0.1:1 --peer 127.0.0.1:2 --peer 127.0.0.1:3 --peer 127.0.0.1:4 --peer 127.0.0.1:5
 refuses 2 "something is missing" send
 refuses 2 "did you mean start" send strat
-refuses 2 "too few" send arm
+refuses 2 "write arm INPUT amplitude=5 N" send arm
+refuses 2 "start: write start alone" send start now
 refuses 2 "no input" send arm forse amplitude=1
 refuses 2 "did you mean amplitude?" send arm force amplitud=1
 refuses 2 "did you mean kN?" send arm force amplitude=1 KN

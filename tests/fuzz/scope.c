@@ -1,5 +1,5 @@
-/* scope.c - the scope's ear: whatever a plant says, browsers get whole events of valid JSON. */
-#include "host_sim/scope/voice.h"
+/* scope.c - the scope's decoder: whatever a plant says, browsers get whole events of valid JSON. */
+#include "host_sim/scope/decoder_events.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <ctype.h>
@@ -73,10 +73,10 @@ static void check_events(const char *at)
     }
 }
 
-static void check_told(struct voice *v)
+static void check_sent(struct decoder *d)
 {
-    struct server *s = v->server;
-    voice_tell(v);
+    struct server *s = d->server;
+    decoder_send(d);
     MUST(s->site.written < SITE_RING);
     s->site.ring[s->site.written] = '\0';
     check_events(s->site.ring);
@@ -87,32 +87,32 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static struct server server;
     static struct scene_app scene;
-    static struct voice v;
+    static struct decoder d;
     static char greeting[CONNECTION_FIRST];
     char why[SCENE_REASON];
     struct json j;
     if (!scene.config.model)
         MUST(scene_init(&scene, "hertz_rig", why) && scene_start(&scene, NULL, why));
-    memset(&v, 0, sizeof v);
-    v.scene = scene;
-    v.server = &server;
-    voice_begin(&v);
-    v.client.latest.info[INFO_IDENTITY] = (double)scene.app.scene.identity;
+    memset(&d, 0, sizeof d);
+    d.scene = scene;
+    d.server = &server;
+    decoder_begin(&d);
+    d.client.latest.info[INFO_IDENTITY] = (double)scene.app.scene.identity;
     for (; size >= PIECE; data += PIECE, size -= PIECE) {
         struct frame f = {.id = scene.config.base_id + data[0] % WIRE_KINDS, .length = FRAME_DATA};
         memcpy(f.data, data + 1, FRAME_DATA);
         f.data[0] = wire_crc8(f.id, f.data, FRAME_DATA);
-        voice_hear(&v, &f);
+        decoder_take(&d, &f);
         if (data[1] == 0)
-            check_told(&v);
+            check_sent(&d);
     }
-    check_told(&v);
+    check_sent(&d);
     json_begin(&j, greeting, sizeof greeting);
     json_put(&j, "event: hello\ndata: [");
-    voice_put_hello(&v, &j);
+    decoder_put_hello(&d, &j);
     json_put(&j, "]\n\n");
-    voice_put_status(&v, &j);
-    voice_put_values(&v, &j, NULL);
+    decoder_put_status(&d, &j);
+    decoder_put_values(&d, &j, NULL);
     MUST(!j.full);
     check_events(greeting);
     return 0;

@@ -1,5 +1,5 @@
 /* trial.c - a test file: refused with one line that names a place, or taken, with cases that can be run. */
-#include "host_sim/trial/trial.h"
+#include "host_sim/trial/trial_read.h"
 #include "models/models.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -41,10 +41,10 @@ static void check_case(const struct trial *t, const struct trial_case *c)
     for (int i = 0; i < c->n_acts; i++) {
         MUST(c->act[i].at_s >= 0.0 && c->act[i].at_s < c->over_s);
         MUST(i == 0 || c->act[i - 1].at_s <= c->act[i].at_s);
-        const struct trial_act *a = &c->act[i];
-        MUST(a->verb < TRIAL_VERBS && (a->verb != TRIAL_SET || a->n > 0) && a->n <= TRIAL_SETS);
-        MUST(a->verb != TRIAL_FIRE || a->given);
-        MUST(a->input >= 0 && a->input < m->n_inputs && (a->verb != TRIAL_FAULTS || *a->list));
+        const struct action *a = &c->act[i].what;
+        MUST(a->verb < ACTION_VERBS && (a->verb != ACTION_SET || a->n > 0) && a->n <= ACTION_SETS);
+        MUST(a->verb != ACTION_FIRE_INPUT || a->given);
+        MUST(a->input >= 0 && a->input < m->n_inputs && (a->verb != ACTION_FAULTS || *a->text));
     }
 }
 

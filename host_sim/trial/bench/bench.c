@@ -26,8 +26,7 @@ struct bench {
     struct bench_plant plant;
     struct bus bus;
     struct lockstep lockstep;
-    char record[BENCH_PATH]; /* the log of the bus, or "" */
-    int record_file;         /* that holds it where it has no name, or -1 */
+    struct verdict_record record;
     struct controller_place at;
     struct controller controller;
     struct bench_link link;
@@ -97,13 +96,7 @@ static bool open_bus(struct bench *b)
         return controller_fail(b->r, "link: %s%s", why, "");
     b->plant.link = b->bus.faults;
     b->plant.scene.app.hal = &b->bus.hal;
-    if (!b->s->log && !*b->c->golden)
-        return true;
-    b->record_file = verdict_open_record(b->s, b->r, b->record);
-    snprintf(b->r->log, sizeof b->r->log, "%s", b->s->log ? b->record : "");
-    return bus_record(&b->bus, b->record, 0, why)
-               ? true
-               : controller_fail(b->r, "%s: cannot write %.400s", verdict_record_place(b->s), b->record);
+    return verdict_begin_record(b->s, b->r, &b->bus, &b->record);
 }
 
 /* ---- the run ---- */
@@ -171,20 +164,12 @@ static void let_go(struct bench *b)
     controller_end(&b->controller, b->r);
 }
 
-static void end_record(struct bench *b)
-{
-    char why[BUS_REASON];
-    if (!bus_end_record(&b->bus, why) && b->r->verdict != VERDICT_ERROR)
-        controller_fail(b->r, "%s: %s", verdict_record_place(b->s), why);
-    b->plant.scene.app.hal = &b->bus.hal;
-}
-
 void bench_run(const struct bench_setting *s, struct bench_result *r)
 {
     static struct bench b; /* large: not on the stack */
     char why[REASON];
     memset(&b, 0, sizeof b);
-    b.record_file = -1;
+    b.record.file = -1;
     b.s = s;
     b.r = r;
     b.c = &s->trial->cases[r->i_case];
@@ -194,14 +179,15 @@ void bench_run(const struct bench_setting *s, struct bench_result *r)
         controller_fail(r, "%s%s", why, "");
     else if (open_bus(&b) && controller_start(&b.controller, s, &b.plant.scene, &b.at, r))
         run(&b);
-    end_record(&b);
+    verdict_end_record(s, r, &b.bus);
+    b.plant.scene.app.hal = &b.bus.hal;
     r->plant_s = plant_time(&b.plant.scene.app.plant);
     r->took_s = clock_now_s() - begin_s;
     bench_plant_judge(&b.plant, b.c, r);
-    verdict_compare(s, &b.plant.scene, b.record, 0, false, r);
+    verdict_compare(s, &b.plant.scene, b.record.path, 0, false, r);
     let_go(&b);
     bus_close(&b.bus);
-    if (b.record_file >= 0)
-        close(b.record_file);
+    if (b.record.file >= 0)
+        close(b.record.file);
     bench_plant_close(&b.plant);
 }

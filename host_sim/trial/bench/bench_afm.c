@@ -34,7 +34,7 @@ struct bench_afm {
 
 /* ---- set-up ---- */
 
-static void put_number(struct bench_afm *b, const struct trial_set *set)
+static void put_number(struct bench_afm *b, const struct action_set *set)
 {
     if (set->index < AFM_PLANT_NUMBERS)
         b->si[set->index] = set->value;
@@ -45,7 +45,7 @@ static void put_number(struct bench_afm *b, const struct trial_set *set)
 static const char of_a_bus[] =
     "scan, ramp_speed, ramp_dwell and settings are commands over a bus; builtin = loops has none";
 
-static bool beyond(const struct trial_set *set, int n)
+static bool beyond(const struct action_set *set, int n)
 {
     for (int i = 0; i < n; i++)
         if (set[i].index >= AFM_PLANT_SCAN)
@@ -61,7 +61,7 @@ static const char *refuse_bus(const struct trial_case *c)
     if (*c->link || *c->golden)
         return "link and golden are a bus's, and a microscope has none";
     for (int i = 0; i < c->n_acts; i++)
-        if (c->act[i].verb != TRIAL_SET && c->act[i].verb != TRIAL_STREAM)
+        if (c->act[i].what.verb != ACTION_SET && c->act[i].what.verb != ACTION_STREAM)
             return "at: a microscope has no arm and no faults; write set drive=20 nm, or stream x 1 um, say";
     for (int i = 0; i < c->n_expects; i++)
         if (metric_table[c->expect[i].what.kind].of == OF_CONTROLLER)
@@ -69,7 +69,7 @@ static const char *refuse_bus(const struct trial_case *c)
     if (beyond(c->plant.set, c->plant.n) || (c->varied >= AFM_PLANT_SCAN))
         return of_a_bus;
     for (int i = 0; i < c->n_acts; i++)
-        if (beyond(c->act[i].set, c->act[i].n))
+        if (beyond(c->act[i].what.set, c->act[i].what.n))
             return of_a_bus;
     return trial_afm_refuse(c);
 }
@@ -89,7 +89,7 @@ static const char *open_station(struct bench_afm *b, const struct trial *t, cons
     for (int i = 0; i < b->c->plant.n; i++)
         put_number(b, &b->c->plant.set[i]);
     if (varied)
-        put_number(b, &(struct trial_set){(unsigned)b->c->varied, *varied});
+        put_number(b, &(struct action_set){(unsigned)b->c->varied, *varied});
     b->si[LEVER_SEED] += seed - 1.0;
     b->config = (struct station_config){
         .si = b->si, .number = b->number, .tick_s = t->lever.frame_s / t->lever.substeps / t->lever.dilation};
@@ -118,12 +118,12 @@ static const char *apply(struct bench_afm *b, const struct trial_act *act, char 
 {
     double *const to[VIEW_INPUTS] = {&b->in.force_N, &b->in.z_m, &b->in.x_m, &b->in.y_m};
     int which;
-    if (act->verb == TRIAL_STREAM) {
-        *to[act->input] = act->sample;
+    if (act->what.verb == ACTION_STREAM) {
+        *to[act->what.input] = act->what.sample;
         return NULL;
     }
-    for (int i = 0; i < act->n; i++)
-        put_number(b, &act->set[i]);
+    for (int i = 0; i < act->what.n; i++)
+        put_number(b, &act->what.set[i]);
     const char *reason = station_change(&b->station, &b->config, &which);
     if (!reason)
         return NULL;

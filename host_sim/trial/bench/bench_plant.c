@@ -12,6 +12,7 @@
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/cli/selftest.h"
 #include "host_sim/live/fault_list.h"
+#include "host_sim/trial/trial_at.h"
 
 /* ---- set-up ---- */
 
@@ -236,21 +237,22 @@ void bench_plant_close(struct bench_plant *p)
 static bool apply_faults(struct bench_plant *p, const struct trial_act *act, char *why)
 {
     p->link->n_rules = 0;
-    return !strcmp(act->list, "none") || fault_list_read(p->link, act->list, p->scene.config.frame_s, why);
+    return !strcmp(act->what.text, "none") ||
+           fault_list_read(p->link, act->what.text, p->scene.config.frame_s, why);
 }
 
 /* No act is a drive or sample that the bus would refuse. */
 static bool act_fits(const struct plant *pl, const struct trial_act *act, char *why)
 {
-    double hz = act->value[DRIVE_FREQUENCY];
-    const struct signal *input = &pl->model->input_signal[act->input];
+    double hz = act->what.value[DRIVE_FREQUENCY];
+    const struct signal *input = &pl->model->input_signal[act->what.input];
     double limit = DRIVE_LIMIT * scale_of(&pl->scale, input->quantity);
-    if (act->given >> DRIVE_FREQUENCY & 1u && hz * pl->tick_s * DRIVE_TICKS_MIN > 1.0) {
+    if (act->what.given >> DRIVE_FREQUENCY & 1u && hz * pl->tick_s * DRIVE_TICKS_MIN > 1.0) {
         snprintf(why, SCENE_REASON, "arm: " DRIVE_TICKS_TOO_FEW "%g Hz; more substeps", hz);
         return false;
     }
-    double armed = act->given >> DRIVE_AMPLITUDE & 1u ? act->value[DRIVE_AMPLITUDE] : 0.0;
-    double size = fabs(act->verb == TRIAL_STREAM ? act->sample : armed);
+    double armed = act->what.given >> DRIVE_AMPLITUDE & 1u ? act->what.value[DRIVE_AMPLITUDE] : 0.0;
+    double size = fabs(act->what.verb == ACTION_STREAM ? act->what.sample : armed);
     if (size > limit)
         snprintf(why, SCENE_REASON, "%s takes at most %g %s", input->name, limit, input->unit);
     return size <= limit;
@@ -271,7 +273,7 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
         good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);
     p.link = &faults;
     for (int i = 0; good && i < c->n_acts; i++)
-        good = c->act[i].verb != TRIAL_FAULTS || apply_faults(&p, &c->act[i], reason);
+        good = c->act[i].what.verb != ACTION_FAULTS || apply_faults(&p, &c->act[i], reason);
     for (int i = 0; good && i < c->n_acts; i++)
         good = act_fits(&p.scene.app.plant, &c->act[i], reason);
     bench_plant_close(&p);
@@ -286,8 +288,8 @@ static bool apply_set(struct app *a, const struct trial_act *act, char *why)
     char subject[SCENE_SUBJECT];
     struct staged staged;
     memset(&staged, 0, sizeof staged);
-    for (int i = 0; i < act->n; i++)
-        staged_put(&staged, act->set[i].index, act->set[i].value);
+    for (int i = 0; i < act->what.n; i++)
+        staged_put(&staged, act->what.set[i].index, act->what.set[i].value);
     const char *reason = parameters_check(a, &staged);
     find_subject(a, &staged, subject);
     if (reason)
@@ -300,20 +302,20 @@ static bool apply_set(struct app *a, const struct trial_act *act, char *why)
 static bool apply(struct bench_plant *p, const struct trial_act *act, char *why)
 {
     struct app *a = &p->scene.app;
-    switch (act->verb) {
-    case TRIAL_SET:
+    switch (act->what.verb) {
+    case ACTION_SET:
         return apply_set(a, act, why);
-    case TRIAL_FAULTS:
+    case ACTION_FAULTS:
         return apply_faults(p, act, why);
-    case TRIAL_STREAM:
-        plant_sample(&a->plant, act->input, act->sample, 0);
+    case ACTION_STREAM:
+        plant_sample(&a->plant, act->what.input, act->what.sample, 0);
         break;
-    case TRIAL_FIRE: /* put_fires */
+    case ACTION_FIRE_INPUT: /* put_fires */
         return true;
     default:
         if (act->waits)
             return true;
-        plant_set_drive(&a->plant, act->input, act->given, act->value);
+        plant_set_drive(&a->plant, act->what.input, act->what.given, act->what.value);
     }
     a->plant.counts.changes++;
     return true;
@@ -321,10 +323,10 @@ static bool apply(struct bench_plant *p, const struct trial_act *act, char *why)
 
 static struct fire fire_of(const struct trial_act *act, double tick_s)
 {
-    struct fire f = {.at = trial_instant(act, tick_s), .channels = (uint8_t)(1u << act->input)};
+    struct fire f = {.at = trial_instant(act, tick_s), .channels = (uint8_t)(1u << act->what.input)};
     f.received_tick = f.at.tick;
-    f.armed[act->input].given = (uint8_t)act->given;
-    memcpy(f.armed[act->input].value, act->value, sizeof act->value);
+    f.armed[act->what.input].given = (uint8_t)act->what.given;
+    memcpy(f.armed[act->what.input].value, act->what.value, sizeof act->what.value);
     return f;
 }
 
@@ -349,7 +351,7 @@ static bool settle_fires(struct bench_plant *p, char *why)
     p->fired = a->count[DIAG_FIRE_APPLIED];
     for (; p->next_fire < p->c->n_acts; p->next_fire++) {
         const struct trial_act *act = &p->c->act[p->next_fire];
-        if (act->verb != TRIAL_FIRE)
+        if (act->what.verb != ACTION_FIRE_INPUT)
             continue;
         if (trial_instant(act, a->plant.tick_s).tick >= a->plant.now.tick)
             return true;
@@ -369,12 +371,12 @@ static bool put_fires(struct bench_plant *p, char *why)
     struct app *a = &p->scene.app;
     for (int i = p->next_fire; i < p->c->n_acts; i++) {
         const struct trial_act *act = &p->c->act[i];
-        if (act->verb != TRIAL_FIRE)
+        if (act->what.verb != ACTION_FIRE_INPUT)
             continue;
         struct fire f = fire_of(act, a->plant.tick_s);
         if (f.at.tick >= a->plant.now.tick + a->config.substeps)
             return true;
-        if (!waits_in(&a->mailbox, &f, act->input) && !mailbox_put_fire(&a->mailbox, &f)) {
+        if (!waits_in(&a->mailbox, &f, act->what.input) && !mailbox_put_fire(&a->mailbox, &f)) {
             snprintf(why, TRIAL_REASON, "fire at %g s: the controller has %d fires waiting, and no more fit",
                      act->at_s, MAILBOX_FIRES);
             return false;
@@ -401,7 +403,7 @@ bool bench_has_faults(const struct trial_case *c)
 {
     bool has = *c->link;
     for (int i = 0; i < c->n_acts; i++)
-        has = has || c->act[i].verb == TRIAL_FAULTS;
+        has = has || c->act[i].what.verb == ACTION_FAULTS;
     return has;
 }
 

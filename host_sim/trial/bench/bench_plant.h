@@ -28,7 +28,7 @@ struct bench_plant {
 
 /* Things about the link that the app does not know. */
 struct bench_link {
-    double malformed; /* datagrams so far */
+    double malformed; /* packets so far */
     double stopped_s; /* when a command ended the session, plant time; negative: not yet */
 };
 

@@ -9,9 +9,11 @@
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/trial/bench/device_wire.h"
+#include "host_sim/trial/trial_at.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/trial/bench/controller.h"
+#include "host_sim/live/client_host.h"
 
 enum {
     FIRES = 2,          /* that wait in the plant at most, which has room for four */
@@ -25,10 +27,9 @@ struct device {
     const struct bench_setting *s;
     const struct trial_case *c;
     struct bench_result *r;
-    struct bench_plant twin;
+    struct bench_plant plant;
     struct bus bus;
-    char record[BENCH_PATH]; /* the log of the bus, or "" */
-    int record_file;         /* that holds it where it has no name, or -1 */
+    struct verdict_record record;
     struct client_link link;
     struct hal paced; /* the bus, a command a bus frame */
     struct client client;
@@ -48,14 +49,14 @@ struct device {
 /* False, and untested with the reason, where a case needs what a device cannot do. */
 static bool check_case(struct device *d)
 {
-    const struct scene *scene = &d->twin.scene.scene;
+    const struct scene *scene = &d->plant.scene.scene;
     const char *why = NULL;
     bool drives = false;
     for (int i = 0; i < scene->model->n_inputs; i++)
         drives = drives || scene->drive[i].amplitude != 0.0 || scene->drive[i].noise > 0.0;
     bool streams = false;
     for (int i = 0; i < d->c->n_acts; i++)
-        streams = streams || d->c->act[i].verb == TRIAL_STREAM;
+        streams = streams || d->c->act[i].what.verb == ACTION_STREAM;
     if (streams)
         why = "stream: a plant in real time takes samples from its controller";
     else if (bench_has_faults(d->c))
@@ -102,25 +103,21 @@ static bool open_bus(struct device *d)
     char why[BUS_REASON];
     const char *bus = d->s->bus ? d->s->bus : "udp:20003", *peer[] = {d->s->plant};
     bool can = !strncmp(bus, "can:", 4);
-    if (!bus_open(&d->bus, bus, peer, can ? 0 : 1, &d->twin.scene.app.scene, why))
+    if (!bus_open(&d->bus, bus, peer, can ? 0 : 1, &d->plant.scene.app.scene, why))
         return controller_fail(d->r, "%s%s", why, "");
-    if (d->s->log || *d->c->golden) {
-        d->record_file = verdict_open_record(d->s, d->r, d->record);
-        snprintf(d->r->log, sizeof d->r->log, "%s", d->s->log ? d->record : "");
-        if (!bus_record(&d->bus, d->record, 0, why))
-            return controller_fail(d->r, "%s: cannot write %.400s", verdict_record_place(d->s), d->record);
-        d->bus.log.listens = true;
-    }
+    if (!verdict_begin_record(d->s, d->r, &d->bus, &d->record))
+        return false;
+    d->bus.log.listens = true;
     snprintf(d->at.plant, sizeof d->at.plant, "%s", d->s->plant);
     snprintf(d->at.me, sizeof d->at.me, "%s", d->s->controller);
     d->at.can = can ? bus : NULL;
     d->link = (struct client_link){.context = &d->bus, .wait = bus_wait};
     d->paced = (struct hal){.context = d, .recv = receive, .send = send_paced, .flush = flush};
-    client_init(&d->client, can ? &d->paced : &d->bus.hal, &d->twin.scene.app.scene);
+    client_init(&d->client, can ? &d->paced : &d->bus.hal, &d->plant.scene.app.scene);
     d->client.link = &d->link;
-    d->client.heard = device_wire_hear;
+    d->client.heard = device_wire_take;
     d->client.heard_context = &d->wire;
-    d->wire.twin = &d->twin;
+    d->wire.plant = &d->plant;
     device_wire_begin(&d->wire, d->c);
     return true;
 }
@@ -147,7 +144,7 @@ static bool wait_answer(struct device *d)
 static int list_values(const struct device *d, unsigned *index, double *value)
 {
     const struct trial *t = d->s->trial;
-    const struct app *a = &d->twin.scene.app;
+    const struct app *a = &d->plant.scene.app;
     bool named[SETTING_FIRST + SETTINGS] = {false};
     int n = 0;
     for (int i = 0; i < t->plant.n; i++)
@@ -157,8 +154,8 @@ static int list_values(const struct device *d, unsigned *index, double *value)
         for (int i = 0; i < c->plant.n; i++)
             named[c->plant.set[i].index] = true;
         for (int i = 0; i < c->n_acts; i++)
-            for (int j = 0; j < c->act[i].n; j++)
-                named[c->act[i].set[j].index] = true;
+            for (int j = 0; j < c->act[i].what.n; j++)
+                named[c->act[i].what.set[j].index] = true;
         if (c->varied >= 0)
             named[c->varied] = true;
     }
@@ -202,14 +199,14 @@ static bool has_echo_setting(const struct client *c, const void *argument)
 static void begin_echo(struct device *d)
 {
     const double every_frame = 1.0;
-    double *told = &d->client.latest.parameter[echo_index];
-    *told = (double)NAN;
-    for (int i = 0; i < TRIES && isnan(*told); i++) {
+    double *every = &d->client.latest.parameter[echo_index];
+    *every = (double)NAN;
+    for (int i = 0; i < TRIES && isnan(*every); i++) {
         client_read(&d->client, echo_index);
         (void)client_wait(&d->client, has_echo_setting, NULL, answer_s);
         client_enable(&d->client, true);
     }
-    double before = *told;
+    double before = *every;
     d->wire.echoes = !isnan(before) && set_all(d, 1, &echo_index, &every_frame);
     if (d->wire.echoes)
         d->echo_before = before;
@@ -253,8 +250,8 @@ static bool has_counters(const struct client *c, const void *argument)
 /* HEALTH tells one counter at a time. Its pace is the plant's, which may be slower than real time. */
 static bool hear_counters(struct device *d)
 {
-    double every = d->twin.scene.app.setting[SET_HEALTH_EVERY];
-    memset(d->wire.told, 0, sizeof d->wire.told);
+    double every = d->plant.scene.app.setting[SET_HEALTH_EVERY];
+    memset(d->wire.rows.tally.known, 0, sizeof d->wire.rows.tally.known);
     d->wire.until = d->client.latest.frame + (uint64_t)(HEALTH_ROUNDS * DIAG_COUNTERS * every);
     (void)client_wait(&d->client, has_counters, &d->wire, silence_s(d));
     return device_wire_has_counters(&d->wire);
@@ -289,13 +286,13 @@ static bool prepare_plant(struct device *d)
 
 static bool is_drive(const struct trial_act *a)
 {
-    return a->verb == TRIAL_ARM || a->verb == TRIAL_FIRE;
+    return a->what.verb == ACTION_ARM || a->what.verb == ACTION_FIRE_INPUT;
 }
 
 /* A fire's own tick; else that of the frame with which the line's time begins. */
 static uint64_t tick_of(const struct device *d, const struct trial_act *a)
 {
-    if (a->verb == TRIAL_FIRE)
+    if (a->what.verb == ACTION_FIRE_INPUT)
         return d->wire.zero + trial_instant(a, d->frame_s / d->substeps).tick;
     return d->wire.zero + ticks_begun(a->at_s, d->frame_s) * d->substeps;
 }
@@ -314,25 +311,21 @@ static void send_act(struct device *d, const struct trial_act *a)
 {
     struct client *c = &d->client;
     double field[ARM_FIELDS];
-    unsigned index[TRIAL_SETS];
-    double value[TRIAL_SETS], fraction = 0.0;
+    unsigned index[ACTION_SETS];
+    double value[ACTION_SETS], fraction = 0.0;
     c->session = c->latest.session;
     expect_answer(d, WIRE_FIRE);
     if (is_drive(a)) {
-        for (int i = 0; i < ARM_FIELDS; i++)
-            field[i] = a->given >> i & 1u ? a->value[i] : (double)NAN;
-        client_arm_fields(c, a->input, field);
-        repeat_last(c, a->input, field); /* a gap in the counters tells of one that was lost */
+        action_fields(&a->what, field);
+        client_arm_fields(c, a->what.input, field);
+        repeat_last(c, a->what.input, field); /* a gap in the counters tells of one that was lost */
     } else {
-        for (int i = 0; i < a->n; i++) {
-            index[i] = a->set[i].index;
-            value[i] = a->set[i].value;
-        }
-        client_set(c, a->n, index, value, COMMIT_WITH_FIRE);
+        action_split_set(&a->what, index, value);
+        client_set(c, a->what.n, index, value, COMMIT_WITH_FIRE);
     }
-    if (a->verb == TRIAL_FIRE)
+    if (a->what.verb == ACTION_FIRE_INPUT)
         fraction = trial_instant(a, d->frame_s / d->substeps).fraction / (double)TICK_FRACTIONS;
-    client_fire(c, is_drive(a) ? 1u << a->input : 0u, !is_drive(a), tick_of(d, a), fraction);
+    client_fire(c, is_drive(a) ? 1u << a->what.input : 0u, !is_drive(a), tick_of(d, a), fraction);
     d->act_tries++;
     d->act_sent_s = clock_now_s();
 }
@@ -346,7 +339,7 @@ static bool is_due(const struct device *d, const struct trial_act *a)
     for (int i = 0; i < d->next_act; i++) {
         bool waits = !d->c->act[i].waits && tick_of(d, &d->c->act[i]) > now;
         waiting += waits;
-        set_waits = set_waits || (waits && d->c->act[i].verb == TRIAL_SET);
+        set_waits = set_waits || (waits && d->c->act[i].what.verb == ACTION_SET);
     }
     return now + lead >= tick_of(d, a) && waiting < FIRES && (is_drive(a) || !set_waits);
 }
@@ -380,7 +373,7 @@ static bool act(struct device *d)
     }
     if (d->wire.answered)
         return controller_fail(d->r, "at %s s: the plant refused it: %s", when,
-                               names_text(d->twin.scene.config.model, NAMES_CAUSE, d->wire.cause));
+                               names_text(d->plant.scene.config.model, NAMES_CAUSE, d->wire.cause));
     return controller_fail(
         d->r, "at %s s: the plant did not answer; does the controller send commands of this kind, too?%s",
         when, "");
@@ -394,7 +387,7 @@ static bool is_news(const struct client *c, const void *argument)
 
 static const char *state_name(const struct device *d)
 {
-    const char *name = names_text(d->twin.scene.config.model, NAMES_STATE, (unsigned)d->client.latest.state);
+    const char *name = names_text(d->plant.scene.config.model, NAMES_STATE, (unsigned)d->client.latest.state);
     return name ? name : "?";
 }
 
@@ -450,9 +443,9 @@ static void let_go(struct device *d)
 static void measure(struct device *d)
 {
     bool before = hear_counters(d);
-    memcpy(d->wire.before, d->wire.count, sizeof d->wire.before);
+    memcpy(d->wire.before, d->wire.rows.tally.count, sizeof d->wire.before);
     d->wire.measures = true;
-    if (!controller_start(&d->controller, d->s, &d->twin.scene, &d->at, d->r))
+    if (!controller_start(&d->controller, d->s, &d->plant.scene, &d->at, d->r))
         return;
     run(d);
     bool after = d->r->verdict != VERDICT_ERROR && hear_counters(d);
@@ -465,29 +458,28 @@ void device_run(const struct bench_setting *s, struct bench_result *r)
     static struct device d; /* large: not on the stack */
     char why[CONTROLLER_REASON];
     memset(&d, 0, sizeof d);
-    d.record_file = -1;
+    d.record.file = -1;
     d.s = s;
     d.r = r;
     d.c = &s->trial->cases[r->i_case];
     d.echo_before = (double)NAN;
     double begin_s = clock_now_s();
-    if (!bench_plant_open(&d.twin, s->trial, d.c, r->varied ? &r->varied_value : NULL, why)) {
+    if (!bench_plant_open(&d.plant, s->trial, d.c, r->varied ? &r->varied_value : NULL, why)) {
         controller_fail(r, "%s%s", why, "");
     } else if (check_case(&d)) {
-        d.frame_s = d.twin.scene.config.frame_s;
-        d.substeps = d.twin.scene.config.substeps;
+        d.frame_s = d.plant.scene.config.frame_s;
+        d.substeps = d.plant.scene.config.substeps;
         if (open_bus(&d) && prepare_plant(&d))
             measure(&d);
         let_go(&d);
-        if (!bus_end_record(&d.bus, why) && r->verdict != VERDICT_ERROR)
-            controller_fail(r, "%s: %s", verdict_record_place(s), why);
-        verdict_compare(s, &d.twin.scene, d.record, d.wire.zero, !d.at.can && !d.wire.echoes, r);
+        verdict_end_record(s, r, &d.bus);
+        verdict_compare(s, &d.plant.scene, d.record.path, d.wire.zero, !d.at.can && !d.wire.echoes, r);
         end_echo(&d);
     }
     r->plant_s = fmin(d.wire.now_s, d.c->over_s);
     r->took_s = clock_now_s() - begin_s;
     bus_close(&d.bus);
-    if (d.record_file >= 0)
-        close(d.record_file);
-    bench_plant_close(&d.twin);
+    if (d.record.file >= 0)
+        close(d.record.file);
+    bench_plant_close(&d.plant);
 }

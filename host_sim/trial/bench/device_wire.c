@@ -9,7 +9,7 @@
 /* ---- what the bus cannot tell ---- */
 
 /* The case makes a sensor lie: what the bus carries is then not the plant's motion. */
-static bool is_sensor(const struct trial_set *s, int n)
+static bool is_sensor(const struct action_set *s, int n)
 {
     for (int i = 0; i < n; i++)
         if (s[i].index >= SETTING_FIRST + SET_SENSOR_OFFSET && s[i].index <= SETTING_FIRST + SET_SENSOR_SEED)
@@ -21,14 +21,14 @@ static bool has_sensor_faults(const struct trial_case *c)
 {
     bool has = is_sensor(c->plant.set, c->plant.n);
     for (int i = 0; i < c->n_acts; i++)
-        has = has || is_sensor(c->act[i].set, c->act[i].n);
+        has = has || is_sensor(c->act[i].what.set, c->act[i].what.n);
     return has;
 }
 
 static const char *signal_untold(const struct device_wire *w, const struct metric_setting *s,
                                  const struct trial_case *c)
 {
-    const struct scene_app *a = &w->twin->scene;
+    const struct scene_app *a = &w->plant->scene;
     const struct model *m = a->config.model;
     double every = a->app.setting[s->signal < 2 ? SET_MOTION_EVERY : SET_CONTACT_EVERY];
     bool harmonic = s->kind == METRIC_AMPLITUDE || s->kind == METRIC_PHASE;
@@ -66,19 +66,10 @@ static const char *untold(const struct device_wire *w, const struct metric_setti
     return counter && !whole ? "HEALTH tells counters too seldom for a window" : NULL;
 }
 
-void device_wire_begin(struct device_wire *w, const struct trial_case *c)
-{
-    const struct app *a = &w->twin->scene.app;
-    decode_begin(&w->rows, &a->scene, a->plant.tick_s);
-    w->stopped_s = -1.0;
-    for (int i = 0; i < w->twin->n; i++)
-        w->twin->measurement[i].untold = untold(w, &w->twin->measurement[i].set, c);
-}
-
 /* The input whose command this measurement is about, or -1. */
 static int command_of(const struct device_wire *w, const struct metric_setting *s)
 {
-    const struct model *m = w->twin->scene.config.model;
+    const struct model *m = w->plant->scene.config.model;
     enum metric_of of = metric_table[s->kind].of;
     bool is = (of == OF_SIGNAL || of == OF_TARGET) && s->signal >= m->n_outputs &&
               !metric_is_frequency(m, s->signal);
@@ -87,12 +78,12 @@ static int command_of(const struct device_wire *w, const struct metric_setting *
 
 void device_wire_deafen(struct device_wire *w)
 {
-    for (int i = 0; i < w->twin->n; i++)
-        if (command_of(w, &w->twin->measurement[i].set) >= 0)
-            w->twin->measurement[i].untold = VERDICT_DEAF;
+    for (int i = 0; i < w->plant->n; i++)
+        if (command_of(w, &w->plant->measurement[i].set) >= 0)
+            w->plant->measurement[i].untold = VERDICT_DEAF;
 }
 
-/* ---- hearing ---- */
+/* ---- messages ---- */
 
 /* The bus could not say this value: a measurement in whose window it fell knows less than its verdict needs.
  */
@@ -108,27 +99,27 @@ static bool is_beyond(enum metric_kind kind, const struct event *e)
            (kind == METRIC_IMPACT_SPEED && e->touch && isnan(e->speed));
 }
 
-static void take_event(void *context, const struct decode_event *d)
+static void take_event(void *context, const struct listen_event *d)
 {
     struct device_wire *w = context;
-    struct bench_plant *p = w->twin;
+    struct bench_plant *p = w->plant;
     const struct plant *pl = &p->scene.app.plant;
-    double ticks = d->t_s / pl->tick_s - (double)w->zero;
-    if (!w->measures || ticks < 0.0)
+    if (!w->measures || d->tick < w->zero)
         return;
-    struct event e = {.tick = (uint64_t)ticks,
-                      .fraction = ticks - floor(ticks),
+    struct event e = {.tick = d->tick - w->zero,
+                      .fraction = d->fraction,
                       .touch = d->touch,
                       .contact = (uint8_t)d->contact,
                       .speed = d->speed,
                       .peak_force = d->peak_force_N};
-    w->not_sent += d->untold;
+    double t_s = ((double)e.tick + e.fraction) * pl->tick_s;
+    w->not_sent += !d->has_data;
     p->regime = e.touch ? p->regime | 1u << e.contact : p->regime & ~(1u << e.contact);
     for (int k = 0; k < p->n; k++) {
-        measurement_switch(&p->measurement[k], ticks * pl->tick_s, p->regime == 0);
+        measurement_switch(&p->measurement[k], t_s, p->regime == 0);
         measurement_event(&p->measurement[k], &e);
         if (is_beyond(p->measurement[k].set.kind, &e))
-            note_beyond(&p->measurement[k], ticks * pl->tick_s);
+            note_beyond(&p->measurement[k], t_s);
     }
 }
 
@@ -137,9 +128,9 @@ static void take_event(void *context, const struct decode_event *d)
 static void note_echoes(struct device_wire *w, const struct decode_row *r)
 {
     uint64_t before = w->row_tick > w->zero ? w->row_tick : w->zero;
-    bool rows = r->tick > before + w->twin->scene.config.substeps;
-    for (int k = 0; k < w->twin->n && r->tick > before; k++) {
-        struct measurement *q = &w->twin->measurement[k];
+    bool rows = r->tick > before + w->plant->scene.config.substeps;
+    for (int k = 0; k < w->plant->n && r->tick > before; k++) {
+        struct measurement *q = &w->plant->measurement[k];
         int input = command_of(w, &q->set);
         if (input < 0 || q->untold || !(rows || isnan(r->value[DECODE_OUTPUTS + input])))
             continue;
@@ -160,7 +151,7 @@ static double command_in(const struct device_wire *w, const struct decode_row *r
 
 static void take_row(struct device_wire *w, const struct decode_row *r)
 {
-    struct bench_plant *p = w->twin;
+    struct bench_plant *p = w->plant;
     const struct model *m = p->scene.config.model;
     double value[METRIC_SIGNALS];
     if (!w->measures || r->tick <= w->zero)
@@ -188,12 +179,12 @@ static void take_row(struct device_wire *w, const struct decode_row *r)
 /* A reading of the metrics of this kind. */
 static void take_reading(struct device_wire *w, enum metric_kind kind, double x)
 {
-    for (int k = 0; k < w->twin->n && w->measures; k++)
-        if (w->twin->measurement[k].set.kind == kind)
-            measurement_frame(&w->twin->measurement[k], w->now_s, x);
+    for (int k = 0; k < w->plant->n && w->measures; k++)
+        if (w->plant->measurement[k].set.kind == kind)
+            measurement_frame(&w->plant->measurement[k], w->now_s, x);
 }
 
-static void hear_status(struct device_wire *w, const struct message *m)
+static void take_status(struct device_wire *w, const struct message *m)
 {
     enum plant_state state = (enum plant_state)m->value[STATUS_STATE];
     enum reaction reaction = (enum reaction)m->value[STATUS_REACTION];
@@ -207,38 +198,24 @@ static void hear_status(struct device_wire *w, const struct message *m)
     take_reading(w, METRIC_FAULTS, metric_faults(w->faults));
 }
 
-static void hear_health(struct device_wire *w, const struct message *m)
+void device_wire_begin(struct device_wire *w, const struct trial_case *c)
 {
-    if (!(m->value[HEALTH_ITEM] < DIAG_COUNTERS))
-        return;
-    int i = (int)m->value[HEALTH_ITEM];
-    w->count[i] = m->value[HEALTH_VALUE] < 4e9 ? (uint32_t)m->value[HEALTH_VALUE] : UINT32_MAX;
-    w->told[i] = true;
+    const struct app *a = &w->plant->scene.app;
+    decode_begin(&w->rows, &a->scene, a->plant.tick_s);
+    w->rows.events.take = take_event;
+    w->rows.events.context = w;
+    w->stopped_s = -1.0;
+    for (int i = 0; i < w->plant->n; i++)
+        w->plant->measurement[i].untold = untold(w, &w->plant->measurement[i].set, c);
 }
 
-/* A gap in the counter of EVENT_TIME is a switch that was lost on the way. */
-static void note_event(struct device_wire *w, const struct message *m)
-{
-    unsigned next = (w->event_counter + 1u) % WIRE_COUNTER_STATES;
-    if (w->event_seen && w->measures)
-        w->not_sent += (m->counter + WIRE_COUNTER_STATES - next) % WIRE_COUNTER_STATES;
-    w->event_seen = true;
-    w->event_counter = m->counter;
-}
-
-void device_wire_hear(void *context, const struct frame *f, const struct message *m)
+void device_wire_take(void *context, const struct frame *f, const struct message *m)
 {
     struct device_wire *w = context;
     struct decode_row row;
     (void)f;
-    w->rows.heard = take_event;
-    w->rows.context = w;
     if (m->kind == WIRE_STATUS)
-        hear_status(w, m);
-    if (m->kind == WIRE_HEALTH)
-        hear_health(w, m);
-    if (m->kind == WIRE_EVENT_TIME)
-        note_event(w, m);
+        take_status(w, m);
     if (m->kind == WIRE_EVENT_SUMMARY && w->measures)
         w->not_sent += m->value[SUMMARY_NOT_SENT];
     if (m->kind == WIRE_LEDGER && (int)m->value[LEDGER_ITEM] == LEDGER_RESIDUAL)
@@ -247,26 +224,31 @@ void device_wire_hear(void *context, const struct frame *f, const struct message
         w->answered = true;
         w->cause = (enum cause)m->value[REPLY_CAUSE];
     }
+    uint64_t events_missing = w->rows.counter[WIRE_EVENT_TIME].missing;
     if (decode_take(&w->rows, m, &row))
         take_row(w, &row);
+    if (m->kind == WIRE_EVENT_TIME && w->measures)
+        w->not_sent += (double)(w->rows.counter[WIRE_EVENT_TIME].missing - events_missing);
 }
 
 bool device_wire_has_counters(const struct device_wire *w)
 {
     bool all = true;
     for (int i = 0; i < DIAG_COUNTERS; i++)
-        all = all && (w->told[i] || (i > DIAG_RX_FOREIGN && i != DIAG_WATCH_TRIPS)); /* the metrics' */
+        all = all &&
+              (w->rows.tally.known[i] || (i > DIAG_RX_FOREIGN && i != DIAG_WATCH_TRIPS)); /* the metrics' */
     return all;
 }
 
 /* ---- the verdict ---- */
 
-static void take_counters(struct device_wire *w, bool known)
+/* count[DIAG_COUNTERS]: of the case. */
+static void take_counters(struct device_wire *w, bool known, uint32_t *count)
 {
     for (int i = 0; i < DIAG_COUNTERS; i++)
-        w->count[i] -= w->before[i];
-    for (int k = 0; k < w->twin->n; k++) {
-        struct measurement *m = &w->twin->measurement[k];
+        count[i] = w->rows.tally.count[i] - w->before[i];
+    for (int k = 0; k < w->plant->n; k++) {
+        struct measurement *m = &w->plant->measurement[k];
         enum metric_kind kind = m->set.kind;
         enum metric_of of = metric_table[kind].of;
         bool counts = (of == OF_CONTROLLER && kind != METRIC_STOPPED) || kind == METRIC_WATCH;
@@ -274,20 +256,20 @@ static void take_counters(struct device_wire *w, bool known)
             continue;
         m->untold = known ? NULL : "the plant does not tell its counters: HEALTH is off, or lost";
         measurement_frame(m, m->set.to_s,
-                          kind == METRIC_MALFORMED ? w->count[DIAG_RX_FOREIGN]
-                                                   : metric_count(kind, w->count));
+                          kind == METRIC_MALFORMED ? count[DIAG_RX_FOREIGN] : metric_count(kind, count));
     }
 }
 
 void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool known, struct bench_result *r)
 {
-    struct bench_plant *p = w->twin;
+    struct bench_plant *p = w->plant;
+    uint32_t count[DIAG_COUNTERS];
     take_reading(w, METRIC_STOPPED, w->stopped_s);
-    take_counters(w, known);
+    take_counters(w, known, count);
     snprintf(w->not_heard, sizeof w->not_heard,
              "%.0f contact switches were not told; raise events_per_frame, or give the bus more room",
              w->not_sent);
-    uint32_t lost = w->count[DIAG_RX_DROPPED] + w->count[DIAG_LOST];
+    uint32_t lost = count[DIAG_RX_DROPPED] + count[DIAG_LOST];
     if (known && c->n_acts && lost) {
         snprintf(
             r->error, sizeof r->error,
@@ -299,6 +281,6 @@ void device_wire_judge(struct device_wire *w, const struct trial_case *c, bool k
     for (int k = 0; k < p->n; k++)
         if (metric_table[p->measurement[k].set.kind].of == OF_CONTACTS && w->not_sent > 0.0)
             p->measurement[k].untold = w->not_heard;
-    const struct evidence e = {p->scene.config.model, w->now_s, 0, w->faults, w->count};
+    const struct evidence e = {p->scene.config.model, w->now_s, 0, w->faults, count};
     verdict_judge(&e, c, p->measurement, p->n_judged, r);
 }

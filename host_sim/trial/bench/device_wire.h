@@ -3,12 +3,12 @@
 #define HOST_SIM_DEVICE_WIRE_H
 
 #include "host_sim/live/client.h"
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
 #include "host_sim/trial/bench/bench_plant.h"
 
 /* All zero before device_wire_begin. */
 struct device_wire {
-    struct bench_plant *twin; /* the case's plant as the file has it: its measurements and names */
+    struct bench_plant *plant; /* the case's plant as the file has it: its measurements and names */
     struct decode rows;
     bool measures;     /* from the controller's start to the end of the case */
     uint64_t zero;     /* tick where the case begins */
@@ -18,14 +18,9 @@ struct device_wire {
     double stopped_s;
     bool was_in_session;
     unsigned faults;
-    /* counters of HEALTH: before the case, and those told last */
-    uint32_t before[DIAG_COUNTERS], count[DIAG_COUNTERS];
-    bool told[DIAG_COUNTERS];
-    uint64_t until; /* the bus frame until which they are waited for */
-    /* contact switches that were not heard */
-    bool event_seen;
-    uint8_t event_counter;
-    double not_sent;
+    uint32_t before[DIAG_COUNTERS]; /* counters of HEALTH, before the case */
+    uint64_t until;                 /* the bus frame until which they are waited for */
+    double not_sent;                /* contact switches that did not come */
     char not_heard[BENCH_TEXT];
     /* the answer to the last command of this kind, of the client's session */
     unsigned kind;
@@ -34,7 +29,7 @@ struct device_wire {
 };
 
 /* Takes each message that the client hears; `context` is the struct device_wire. */
-void device_wire_hear(void *context, const struct frame *f, const struct message *m);
+void device_wire_take(void *context, const struct frame *f, const struct message *m);
 
 /* Names what no bus can tell. */
 void device_wire_begin(struct device_wire *w, const struct trial_case *c);
@@ -42,7 +37,7 @@ void device_wire_begin(struct device_wire *w, const struct trial_case *c);
 /* Nobody tells the controller's samples: this bus does not carry them, and the plant does not echo them. */
 void device_wire_deafen(struct device_wire *w);
 
-/* Every counter that metrics are about was told since `told` was cleared. */
+/* Every counter that metrics are about was told since the tally's `known` was cleared. */
 bool device_wire_has_counters(const struct device_wire *w);
 
 /* Outcomes and verdict into *r. `known`: the counters were told before and after the case. */

@@ -1,7 +1,8 @@
 /* test_decode.c - rows of messages made by hand: what is missing, repeated, overtaken, or never due. And logs
  * of several interfaces and of another plant. */
 #include "firmware/bus/identity.h"
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
+#include "host_sim/replay/plant_log.h"
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -226,10 +227,10 @@ TEST(decode_pace)
 
 /* ---- events ---- */
 
-static struct decode_event event[8];
+static struct listen_event event[8];
 static int n_events;
 
-static void take_event(void *context, const struct decode_event *e)
+static void take_event(void *context, const struct listen_event *e)
 {
     (void)context;
     event[n_events++ % 8] = *e;
@@ -241,7 +242,7 @@ static void hear_events(const char *const *heard, int n)
     struct decode_row row;
     begin();
     n_events = 0;
-    decoder.heard = take_event;
+    decoder.events.take = take_event;
     for (int i = 0; i < n; i++) {
         struct message time = next_message(WIRE_EVENT_TIME, 1, 0, 0),
                        data = next_message(WIRE_EVENT_DATA, 1, 0, i);
@@ -256,14 +257,14 @@ static void hear_events(const char *const *heard, int n)
 TEST(decode_events)
 {
     static const char *const heard[] = {"TD", "D", "TD", "T", "TD", "", "TD", "T", "D", "TD"};
-    static const int at[] = {0, 2, 3, 4, 6, 7, 9}, untold[] = {0, 0, 1, 0, 0, 1, 0};
+    static const int at[] = {0, 2, 3, 4, 6, 7, 9}, has_data[] = {1, 1, 0, 1, 1, 0, 1};
     hear_events(heard, 10);
     check_int("events with a time", n_events, 7);
     for (int i = 0; i < 7; i++) {
         check_near("  its time, ticks", event[i].t_s / decoder.tick_s, at[i], 1e-9);
-        check_int("  without its data", event[i].untold, untold[i]);
-        check_true("  the speed is its own, or none",
-                   isnan(event[i].speed) == event[i].untold && (event[i].untold || event[i].speed == at[i]));
+        check_int("  with its data", event[i].has_data, has_data[i]);
+        check_true("  the speed is its own, or none", isnan(event[i].speed) != event[i].has_data &&
+                                                          (!event[i].has_data || event[i].speed == at[i]));
     }
     check_int("frames missing", (int64_t)decoder.missing, 6);
 }

@@ -5,6 +5,7 @@
 #include "firmware/bus/identity.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/live/client_host.h"
 #include "host_sim/live/explain.h"
 #include "models/afm_tip.h"
 #include "models/reduced/hertz_rig_reduced.h"

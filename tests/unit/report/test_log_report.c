@@ -123,11 +123,11 @@ TEST(log_tally_between_health)
     for (int i = 0; i < DIAG_COUNTERS; i++) {
         struct message m = {.kind = WIRE_HEALTH, .value = {[HEALTH_ITEM] = i}};
         check_int("complete before the last", log_tally_is_complete(&t), 0);
-        log_tally_hear(&t, &m);
+        log_tally_take(&t, &m);
     }
     check_int("complete", log_tally_is_complete(&t), 1);
-    log_tally_hear(&t, &overrun), log_tally_hear(&t, &overrun);
-    log_tally_hear(&t, &reply), log_tally_hear(&t, &status);
+    log_tally_take(&t, &overrun), log_tally_take(&t, &overrun);
+    log_tally_take(&t, &reply), log_tally_take(&t, &status);
     check_int("overruns", (int)t.count[DIAG_OVERRUNS], 2);
     check_int("frames missed", (int)t.count[DIAG_FRAMES_MISSED], 10);
     check_int("late", (int)t.count[DIAG_LATE], 1);
@@ -135,7 +135,7 @@ TEST(log_tally_between_health)
 }
 
 /* The page of these rows and events. */
-static const char *page_of(int n_rows, const struct decode_event *e, int n_events)
+static const char *page_of(int n_rows, const struct listen_event *e, int n_events)
 {
     char path[] = "/tmp/contactplant_log_XXXXXX", *argv[] = {path};
     const struct log_tally nothing = {0};
@@ -185,9 +185,10 @@ TEST(log_report_without_an_event)
 
 TEST(log_report_of_peaks_beyond_the_range)
 {
-    const struct decode_event e[] = {{.t_s = 0.01, .peak_force_N = 3302.0, .speed = 0.1},
-                                     {.t_s = 0.02, .touch = true, .speed = -0.5},
-                                     {.t_s = 0.03, .peak_force_N = (double)NAN, .speed = 0.1}};
+    const struct listen_event e[] = {
+        {.t_s = 0.01, .has_data = true, .peak_force_N = 3302.0, .speed = 0.1},
+        {.t_s = 0.02, .has_data = true, .touch = true, .speed = -0.5},
+        {.t_s = 0.03, .has_data = true, .peak_force_N = (double)NAN, .speed = 0.1}};
     const char *text = page_of(100, e, 3);
     check_says(text, "1 touchdowns and 2 lift-offs were sent.", true);
     check_says(text, "The largest force was at least 4194 N: 1 of 2 peaks were beyond the bus's range.",

@@ -37,7 +37,7 @@ static void begin_request(const char *request)
     site->n_connections = 1;
     connection_begin(connection, pair[0], 0);
     check_int("the request goes", (int)write(client, request, strlen(request)), (int)strlen(request));
-    connection_hear(connection, site);
+    connection_receive(connection, site);
 }
 
 static void end_request(void)
@@ -91,7 +91,7 @@ TEST(connection_stream_is_whole)
     read_greeting();
     for (int k = 0; k < EVENTS; k++) {
         make_event(k, text);
-        site_tell(site, text, EVENT);
+        site_send(site, text, EVENT);
         connection_turn(connection, site);
         if (k % 40 == 0 || k == EVENTS - 1)
             wrong += read_events(&next, &n_part, part);
@@ -116,7 +116,7 @@ TEST(connection_slow_stream_ends)
     read_greeting();
     for (k = 0; k < EVENTS && connection->state == CONNECTION_STREAMS; k++) {
         make_event(k, text);
-        site_tell(site, text, EVENT);
+        site_send(site, text, EVENT);
         connection_turn(connection, site);
     }
     check_is("events until it is dropped", k, >, SITE_RING / EVENT);
@@ -138,7 +138,7 @@ TEST(connection_answers_and_ends)
     check_int("no more", (int)read(client, text, 1), 0);
     check_int("it waits for the client's end", connection->state, CONNECTION_ENDS);
     shutdown(client, SHUT_WR);
-    connection_hear(connection, site);
+    connection_receive(connection, site);
     check_int("free", connection->state, CONNECTION_FREE);
     end_request();
 }
@@ -152,7 +152,7 @@ TEST(connection_endless_body_ends)
     for (int i = 0; i < 1000 && connection->state != CONNECTION_FREE; i++) {
         ssize_t n = write(client, junk, sizeof junk);
         sent += n > 0 ? n : 0;
-        connection_hear(connection, site);
+        connection_receive(connection, site);
         connection_turn(connection, site);
     }
     check_int("ended", connection->state, CONNECTION_FREE);
@@ -168,7 +168,7 @@ TEST(connection_half_closed_gets_its_answer)
     char text[4096] = "";
     begin_request("GET /nosuch HTTP/1.1\r\nHost: localhost\r\n\r\n");
     shutdown(client, SHUT_WR);
-    connection_hear(connection, site);
+    connection_receive(connection, site);
     check_true("nothing more is read", !connection_listens(connection));
     connection_turn(connection, site);
     check_is("an answer", read(client, text, sizeof text - 1), >, 0);
@@ -184,13 +184,13 @@ TEST(connection_streams_are_counted)
     read_greeting();
     check_int("streams", (int)site->streams, 1);
     close(client);
-    connection_hear(connection, site);
+    connection_receive(connection, site);
     check_int("when it has left", (int)site->streams, 0);
     end_request();
     begin_request("GET /ev");
     site->streams = 1;
     check_is("the rest", write(client, "ents HTTP/1.1\r\nHost: localhost\r\n\r\n", 34), ==, 34);
-    connection_hear(connection, site);
+    connection_receive(connection, site);
     connection_turn(connection, site);
     check_is("an answer", read(client, text, sizeof text - 1), >, 0);
     check_contains("no stream more than allowed", text,

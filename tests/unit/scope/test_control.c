@@ -15,7 +15,7 @@ TEST(control_end_of_an_earlier_command)
     control_leave(&c, 0, first);
     check_true("nobody listens to the first: the later one still comes to work", c.plant[0].waits);
     check_string("it is the later one", c.plant[0].line, "stop");
-    text[control_hear(&c, 0, first, text, sizeof text - 1, &over)] = '\0';
+    text[control_read(&c, 0, first, text, sizeof text - 1, &over)] = '\0';
     check_string("the first one hears", text, "ended by a later command\n");
     check_true("that it is over", over);
     control_leave(&c, 0, later);

@@ -1,5 +1,5 @@
-/* trial_value.c - values, ranges, signals, parameters and settings in a test file; see trial.h. */
-#include "host_sim/trial/trial.h"
+/* trial_reader.c - see trial_reader.h. */
+#include "host_sim/trial/trial_reader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,6 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_words.h"
-#include "firmware/afm/afm_plant.h"
 
 bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
                       double max, double *value)
@@ -63,34 +62,11 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail)
 
 /* ---- parameters and settings ---- */
 
-const struct model *trial_model(const struct trial *t)
-{
-    return t->is_microscope ? &afm_plant : t->scene.model;
-}
-
-const struct parameter *trial_parameter(const struct trial *t, int index)
-{
-    return scene_parameter(trial_model(t), index);
-}
-
 bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys)
 {
-    const struct model *m = r->trial->scene.model;
-    struct scene_key known[SETTING_FIRST + SETTINGS];
-    const char *names[SETTING_FIRST + SETTINGS + TRIAL_KEYS];
-    char advice[OPTIONS_ADVICE];
-    int n = 0;
-    for (; n < n_keys; n++)
-        names[n] = key[n];
-    for (int i = 0; i < SETTING_FIRST + SETTINGS; i++)
-        if (trial_parameter(r->trial, i)) {
-            scene_keys_parameter(trial_parameter(r->trial, i), 0, &known[i]);
-            names[n++] = i < SETTING_FIRST ? known[i].name : known[i].full;
-        }
-    return trial_wrong(
-        r, "%.*s: no such %sparameter or setting of %s%s", scene_text_shown(name), name.at,
-        n_keys ? "key, " : "", m->name,
-        options_advise(name.at, name.n, names, n, "contactplant list shows them", advice, sizeof advice));
+    char why[SCENE_REASON];
+    scene_words_no_name(trial_model(r->trial), name, key, n_keys, why);
+    return trial_wrong(r, "%s", why);
 }
 
 int trial_find_set(struct trial_reader *r, struct word name)
@@ -99,16 +75,12 @@ int trial_find_set(struct trial_reader *r, struct word name)
     return scene_words_find(trial_model(r->trial), name, &k);
 }
 
-bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct trial_set *set)
+bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct action_set *set)
 {
-    const struct model *m = trial_model(r->trial);
-    struct scene_key k;
     char why[SCENE_REASON];
-    int i = scene_words_find(m, name, &k);
-    if (i < 0)
-        return trial_no_name(r, name, NULL, 0);
+    int i = scene_words_read(trial_model(r->trial), name, value, &set->value, why);
     set->index = (unsigned)i;
-    return scene_words_set(m, i, &k, name, value, &set->value, why) || trial_wrong(r, "%s", why);
+    return i >= 0 || trial_wrong(r, "%s", why);
 }
 
 int trial_find_signal(struct trial_reader *r, struct word name)
@@ -127,9 +99,4 @@ int trial_find_signal(struct trial_reader *r, struct word name)
     trial_wrong(r, "%.*s: no signal of %s%s", scene_text_shown(name), name.at, m->name,
                 options_advise(name.at, name.n, names, n, NULL, text, sizeof text));
     return -1;
-}
-
-double trial_varied_value(const struct trial_case *c, int i)
-{
-    return c->vary_from + (c->vary_to - c->vary_from) * i / (c->n_varied - 1);
 }

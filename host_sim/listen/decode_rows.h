@@ -1,4 +1,4 @@
-/* decode_rows.h - a recorded log as rows in SI, one for each SYNC, and its contact events.
+/* decode_rows.h - messages of a plant as rows in SI, one for each SYNC, and as contact events.
  *
  * A row has what was said of its own tick. MOTION and CONTACT belong to the SYNC before them. Where COUNTERs
  * tell that frames are missing between, so that they may be a later tick's, the row is without them.
@@ -9,8 +9,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "firmware/bus/wire.h"
-#include "host_sim/replay/log_tally.h"
-#include "host_sim/replay/plant_log.h"
+#include "host_sim/listen/listen.h"
+#include "host_sim/listen/log_tally.h"
 
 enum {
     DECODE_OUTPUTS = 4, /* MOTION and CONTACT carry the first four of every model */
@@ -34,19 +34,12 @@ struct decode_row {
     double value[DECODE_SIGNALS];
 };
 
-struct decode_event {
-    double t_s;
-    bool touch;
-    unsigned contact;
-    bool untold;                /* EVENT_DATA is missing: what follows is not known */
-    double speed, peak_force_N; /* NaN: beyond the bus's range, or untold */
-};
-
 /* The last message of a kind: the next one tells whether some are missing between. */
 struct decode_counter {
     bool heard;
     uint8_t counter;      /* its COUNTER */
     uint64_t frame, tick; /* those of its SYNC */
+    uint64_t missing;     /* messages of this kind, so far */
     double every; /* bus or plant frames from one to the next; 0: not known; -1: nor by the next one */
 };
 
@@ -57,42 +50,27 @@ struct decode_pair {
 };
 
 struct decode {
-    struct plant_log log;
     struct wire_scene scene;
     double tick_s;
     struct decode_row row; /* being read */
     unsigned streamed;     /* bit i: STREAM to input i was heard */
-    bool begun, ended;
+    bool begun;            /* a SYNC came */
     struct decode_counter counter[WIRE_KINDS];
     struct decode_pair pair[DECODE_PAIRS];
     uint64_t missing; /* frames of the plant, so far */
     struct log_tally tally;
-    struct decode_event event;                                  /* whose EVENT_TIME came last */
-    uint8_t event_counter;                                      /* its COUNTER, which EVENT_DATA has too */
-    bool event_waits;                                           /* for its EVENT_DATA */
-    void (*heard)(void *context, const struct decode_event *e); /* NULL for none */
-    void *context;
+    struct listen_events events; /* the caller says who takes them */
 };
 
-/* NULL, or the reason; see plant_log_open. */
-const char *decode_open(struct decode *d, const char *path, const char *interface,
-                        const struct wire_scene *scene, double tick_s);
-
-/* A decoder without a log, for messages as they are heard. */
 void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_s);
 
 /* Takes a message. True, with the row, where one is complete: with the SYNC that begins the next one. */
 bool decode_take(struct decode *d, const struct message *m, struct decode_row *row);
 
-/* 1 and the next row, 0 at the end, -1 for a file that cannot be read: d->log.reader.reason says why. */
-int decode_next(struct decode *d, struct decode_row *row);
+/* Nothing more comes: gives the last event, and the row that no SYNC ends. */
+void decode_end(struct decode *d, struct decode_row *row);
 
-/* Lines on stderr for people: what was passed over, and how many frames are missing. */
-void decode_tell(const struct decode *d, const char *command);
-
-/* The second of them, for what was heard at `where`. */
+/* A line on stderr where frames are missing of what was heard at `where`. */
 void decode_tell_missing(const struct decode *d, const char *command, const char *where);
-
-void decode_close(struct decode *d);
 
 #endif

@@ -1,9 +1,10 @@
-/* station.c - see station.h. */
-#include "host_sim/live/station.h"
+/* remote.c - see remote.h. */
+#include "host_sim/live/remote.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/live/client_host.h"
 
-int station_open(struct station *t, const struct options *o, enum bus_role role, int i_word)
+int remote_open(struct remote *t, const struct options *o, enum bus_role role, int i_word)
 {
     char why[SCENE_REASON];
     if (!scene_from_options(&t->scene, o, i_word))
@@ -18,7 +19,7 @@ int station_open(struct station *t, const struct options *o, enum bus_role role,
     return status;
 }
 
-void station_close(struct station *t)
+void remote_close(struct remote *t)
 {
     bus_close(&t->bus);
     scene_free(&t->scene);

@@ -7,7 +7,7 @@
 
 struct log_tally {
     uint32_t count[DIAG_COUNTERS]; /* the newest of HEALTH, or what was heard besides where that is more */
-    bool told[DIAG_COUNTERS];      /* by HEALTH */
+    bool known[DIAG_COUNTERS];     /* by HEALTH */
     uint32_t overruns, missed, refused[CAUSES]; /* that OVERRUN and REPLY told */
     unsigned faults;                            /* ever set in STATUS */
     bool sensor_faults;                         /* one was in force at some time */
@@ -15,7 +15,7 @@ struct log_tally {
 };
 
 /* Takes a message of the plant. */
-void log_tally_hear(struct log_tally *t, const struct message *m);
+void log_tally_take(struct log_tally *t, const struct message *m);
 
 /* HEALTH has told every counter. */
 bool log_tally_is_complete(const struct log_tally *t);

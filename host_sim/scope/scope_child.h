@@ -1,11 +1,11 @@
-/* scope.h - the scope beside a plant: run --scope. */
-#ifndef HOST_SIM_SCOPE_H
-#define HOST_SIM_SCOPE_H
+/* scope_child.h - the scope beside a plant: run --scope. */
+#ifndef HOST_SIM_SCOPE_CHILD_H
+#define HOST_SIM_SCOPE_CHILD_H
 
 #include <sys/types.h>
 #include "firmware/observe/timing.h"
 #include "host_sim/cli/options.h"
-#include "host_sim/scope/tee.h"
+#include "host_sim/scope/ring.h"
 
 /* --scope and --http of a command that runs a plant. */
 extern const struct option scope_options[];
@@ -29,8 +29,8 @@ extern const struct option scope_options[];
  * else. All zero: none. */
 struct scope_child {
     pid_t pid;
-    struct tee_memory *memory;
-    struct tee tee;
+    struct ring *ring;
+    struct ring_writer writer;
 };
 
 /* Starts it where --scope is given, before the plant opens anything; says where it is. 0, or the exit status

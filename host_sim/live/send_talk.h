@@ -1,9 +1,9 @@
-/* send.h - the parts of contactplant send: what it knows, waiting for answers, and its table of commands. */
-#ifndef HOST_SIM_SEND_H
-#define HOST_SIM_SEND_H
+/* send_talk.h - contactplant send's knowledge of the plant, and waiting for its answers with heartbeats. */
+#ifndef HOST_SIM_SEND_TALK_H
+#define HOST_SIM_SEND_TALK_H
 
 #include "host_sim/cli/options.h"
-#include "host_sim/live/station.h"
+#include "host_sim/live/remote.h"
 
 enum {
     SEND_TRIES = 3
@@ -16,7 +16,7 @@ enum {
 
 struct sender {
     const struct options *o;
-    struct station station;
+    struct remote remote;
     double next_beat_s;
     unsigned armed; /* inputs armed on this command line */
     bool stopped;   /* its last command was stop: the session is over */
@@ -28,22 +28,10 @@ struct sender {
     uint32_t first, count;
 };
 
-/* One command: `check` refuses bad arguments before anything is sent (NULL: nothing to check), `run` sends
- * and waits. Both return 0, or the exit status after a line. */
-struct send_verb {
-    const char *name;
-    int min_words, max_words; /* arguments */
-    int (*check)(const struct sender *s, int n, const char *const *word);
-    int (*run)(struct sender *s, int n, const char *const *word);
-};
-
-enum { SEND_VERBS = 14 };
-extern const struct send_verb send_verb[SEND_VERBS];
-
 const struct model *send_model(const struct sender *s);
 
-/* Takes each frame that the client hears; `context` is the sender. */
-void send_hear(void *context, const struct frame *f, const struct message *m);
+/* Takes each message that the client gets; `context` is the sender. */
+void send_take(void *context, const struct frame *f, const struct message *m);
 
 /* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them.
  * An answer to an earlier command may still be on its way, and an earlier try be the one that was taken. */
@@ -58,14 +46,7 @@ bool send_answer(struct sender *s);
 /* Says that no answer came to `what`; the exit status. */
 int send_no_answer(const struct sender *s, const char *what);
 
-/* A whole number in [min, max]. */
-bool send_read_whole(const char *text, double min, double max, double *x);
-
 /* Asks the plant for a parameter or setting; NaN without an answer. */
 double send_ask(struct sender *s, unsigned index);
-
-/* capture arm|trigger|stop|read */
-int send_check_capture(const struct sender *s, int n, const char *const *word);
-int send_run_capture(struct sender *s, int n, const char *const *word);
 
 #endif

@@ -1,17 +1,16 @@
-/* tee.c - see tee.h. */
-#include "host_sim/scope/tee.h"
+/* ring.c - see ring.h. */
+#include "host_sim/scope/ring.h"
 
 #include <stddef.h>
 #include <sys/mman.h>
 
-struct tee_memory *tee_share(void)
+struct ring *ring_share(void)
 {
-    void *m =
-        mmap(NULL, sizeof(struct tee_memory), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void *m = mmap(NULL, sizeof(struct ring), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     return m == MAP_FAILED ? NULL : m;
 }
 
-void tee_unshare(struct tee_memory *m)
+void ring_unshare(struct ring *m)
 {
     (void)munmap(m, sizeof *m);
 }
@@ -19,10 +18,10 @@ void tee_unshare(struct tee_memory *m)
 /* ---- the plant's side ---- */
 
 /* A reader that comes while the record changes sees a number that it does not expect. */
-static void write_record(struct tee_memory *m, const struct tee_record *what)
+static void write_record(struct ring *m, const struct ring_record *what)
 {
     uint64_t number = m->written + 1;
-    struct tee_record *r = &m->record[m->written % TEE_RECORDS];
+    struct ring_record *r = &m->record[m->written % RING_RECORDS];
     __atomic_store_n(&r->number, 0, __ATOMIC_RELAXED);
     __atomic_thread_fence(__ATOMIC_RELEASE);
     r->kind = what->kind;
@@ -33,20 +32,20 @@ static void write_record(struct tee_memory *m, const struct tee_record *what)
     __atomic_store_n(&m->written, number, __ATOMIC_RELEASE);
 }
 
-static void write_frame(struct tee_memory *m, const struct frame *f)
+static void write_frame(struct ring *m, const struct frame *f)
 {
-    write_record(m, &(struct tee_record){.kind = TEE_FRAME, .frame = *f});
+    write_record(m, &(struct ring_record){.kind = RING_FRAME, .frame = *f});
 }
 
-static void write_histogram(struct tee_memory *m, uint8_t kind, const struct histogram *h)
+static void write_histogram(struct ring *m, uint8_t kind, const struct histogram *h)
 {
     for (uint8_t i = 0; i < TIMING_BINS; i++)
-        write_record(m, &(struct tee_record){.kind = kind, .bin = i, .count = h->bin[i]});
+        write_record(m, &(struct ring_record){.kind = kind, .bin = i, .count = h->bin[i]});
 }
 
 static int receive(void *context, struct frame *f)
 {
-    const struct tee *t = context;
+    const struct ring_writer *t = context;
     int got = t->inner.recv(t->inner.context, f);
     if (got > 0)
         write_frame(t->memory, f);
@@ -55,7 +54,7 @@ static int receive(void *context, struct frame *f)
 
 static int transmit(void *context, const struct frame *f)
 {
-    const struct tee *t = context;
+    const struct ring_writer *t = context;
     int taken = t->inner.send(t->inner.context, f);
     if (taken)
         write_frame(t->memory, f);
@@ -64,33 +63,34 @@ static int transmit(void *context, const struct frame *f)
 
 static void flush(void *context)
 {
-    struct tee *t = context;
+    struct ring_writer *t = context;
     t->inner.flush(t->inner.context);
-    if (t->frames++ % TEE_TIMING_FRAMES)
+    if (t->frames++ % RING_TIMING_FRAMES)
         return;
-    write_histogram(t->memory, TEE_LATENESS, &t->timing->lateness);
-    write_histogram(t->memory, TEE_COMPUTE, &t->timing->compute);
+    write_histogram(t->memory, RING_LATENESS, &t->timing->lateness);
+    write_histogram(t->memory, RING_COMPUTE, &t->timing->compute);
 }
 
 static uint32_t now_us(void *context)
 {
-    const struct tee *t = context;
+    const struct ring_writer *t = context;
     return t->inner.now_us(t->inner.context);
 }
 
 static void healthy(void *context)
 {
-    const struct tee *t = context;
+    const struct ring_writer *t = context;
     t->inner.healthy(t->inner.context);
 }
 
-void tee_open(struct tee *t, struct tee_memory *m, const struct hal *inner, const struct timing *timing)
+void ring_writer_open(struct ring_writer *t, struct ring *m, const struct hal *inner,
+                      const struct timing *timing)
 {
-    *t = (struct tee){.inner = *inner, .memory = m, .timing = timing};
+    *t = (struct ring_writer){.inner = *inner, .memory = m, .timing = timing};
     t->hal = (struct hal){t, receive, transmit, flush, now_us, healthy};
 }
 
-void tee_end(struct tee_memory *m)
+void ring_end(struct ring *m)
 {
     __atomic_store_n(&m->over, true, __ATOMIC_RELEASE);
 }
@@ -98,26 +98,26 @@ void tee_end(struct tee_memory *m)
 /* ---- the reader's side ---- */
 
 /* The record with this number; false when it has been overwritten. */
-static bool copy_record(const struct tee_memory *m, uint64_t number, struct tee_record *to)
+static bool copy_record(const struct ring *m, uint64_t number, struct ring_record *to)
 {
-    const struct tee_record *r = &m->record[(number - 1) % TEE_RECORDS];
+    const struct ring_record *r = &m->record[(number - 1) % RING_RECORDS];
     bool before = __atomic_load_n(&r->number, __ATOMIC_ACQUIRE) == number;
     *to = *r;
     __atomic_thread_fence(__ATOMIC_ACQUIRE);
     return before && __atomic_load_n(&r->number, __ATOMIC_RELAXED) == number;
 }
 
-static void take_bin(struct tee_reader *r, const struct tee_record *record)
+static void take_bin(struct ring_reader *r, const struct ring_record *record)
 {
-    struct histogram *h = record->kind == TEE_LATENESS ? &r->timing.lateness : &r->timing.compute;
+    struct histogram *h = record->kind == RING_LATENESS ? &r->timing.lateness : &r->timing.compute;
     if (record->bin < TIMING_BINS)
         h->bin[record->bin] = record->count;
 }
 
 static int give_record(void *context, struct frame *f)
 {
-    struct tee_reader *r = context;
-    struct tee_record record;
+    struct ring_reader *r = context;
+    struct ring_record record;
     while (r->read < __atomic_load_n(&r->memory->written, __ATOMIC_ACQUIRE)) {
         if (!copy_record(r->memory, r->read + 1, &record)) {
             uint64_t written = __atomic_load_n(&r->memory->written, __ATOMIC_ACQUIRE);
@@ -126,7 +126,7 @@ static int give_record(void *context, struct frame *f)
             return -HAL_DROPPED;
         }
         r->read++;
-        if (record.kind == TEE_FRAME) {
+        if (record.kind == RING_FRAME) {
             *f = record.frame;
             return 1;
         }
@@ -135,13 +135,13 @@ static int give_record(void *context, struct frame *f)
     return 0;
 }
 
-void tee_read(struct tee_reader *r, const struct tee_memory *m)
+void ring_reader_open(struct ring_reader *r, const struct ring *m)
 {
-    *r = (struct tee_reader){.memory = m};
+    *r = (struct ring_reader){.memory = m};
     r->hal = (struct hal){.context = r, .recv = give_record};
 }
 
-bool tee_is_over(const struct tee_reader *r)
+bool ring_is_over(const struct ring_reader *r)
 {
     return __atomic_load_n(&r->memory->over, __ATOMIC_ACQUIRE);
 }

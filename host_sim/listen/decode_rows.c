@@ -1,5 +1,5 @@
 /* decode_rows.c - see decode_rows.h. */
-#include "host_sim/replay/decode_rows.h"
+#include "host_sim/listen/decode_rows.h"
 #include "models/check.h"
 
 #include <math.h>
@@ -10,29 +10,10 @@ void decode_begin(struct decode *d, const struct wire_scene *scene, double tick_
 {
     memset(d, 0, sizeof *d);
     d->scene = *scene;
-    d->tick_s = tick_s;
+    d->tick_s = d->events.tick_s = tick_s;
     d->row.state = -1;
     for (int i = 0; i < DECODE_SIGNALS; i++)
         d->row.value[i] = (double)NAN;
-}
-
-const char *decode_open(struct decode *d, const char *path, const char *interface,
-                        const struct wire_scene *scene, double tick_s)
-{
-    decode_begin(d, scene, tick_s);
-    return plant_log_open(&d->log, path, interface, scene);
-}
-
-void decode_close(struct decode *d)
-{
-    plant_log_close(&d->log);
-}
-
-/* The number at or after `last` with these low bits, or just before it. */
-static uint64_t extend(uint64_t last, double low, int bits)
-{
-    uint64_t mask = (UINT64_C(1) << bits) - 1, up = ((uint64_t)low - last) & mask;
-    return up > mask / 2 && last >= mask + 1 - up ? last - (mask + 1 - up) : last + up;
 }
 
 /* ---- missing frames ---- */
@@ -92,6 +73,7 @@ static int64_t note_counter(struct decode *d, const struct message *m, uint64_t 
     if (is_steady(m->kind) && c->heard)
         c->every = c->every < 0.0 ? 0.0 : n_steps / (double)(missing + 1);
     d->missing += (uint64_t)missing;
+    c->missing += (uint64_t)missing;
     c->heard = true;
     c->counter = m->counter;
     c->frame = frame;
@@ -147,26 +129,13 @@ static void begin_row(struct decode *d, uint64_t frame, uint64_t tick)
             d->row.value[DECODE_OUTPUTS + i] = (double)NAN;
 }
 
-enum { OVERTAKEN = 256 }; /* frames that a late SYNC may be behind the newest one */
-
-/* A plant that begins anew counts from 0 again. FRAME has 16 bits only, so after a long time TICK alone tells
- * it. Another log behind the first one may begin anywhere. */
-static bool begins_anew(const struct decode *d, uint64_t frame, uint64_t tick)
-{
-    uint64_t back = frame < WIRE_COUNTER_STATES ? WIRE_COUNTER_STATES : OVERTAKEN;
-    return frame + back < d->row.frame || tick + OVERTAKEN * d->scene.substeps < d->row.tick;
-}
-
 /* True where it completes a row. */
-static bool hear_sync(struct decode *d, const struct message *m, struct decode_row *row)
+static bool take_sync(struct decode *d, const struct message *m, struct decode_row *row)
 {
-    uint64_t frame = extend(d->row.frame, m->value[SYNC_FRAME], 16);
-    uint64_t tick = extend(d->row.tick, m->value[SYNC_TICK], 32);
-    bool complete = d->begun, anew = begins_anew(d, frame, tick);
-    if (anew) {
-        frame = (uint64_t)m->value[SYNC_FRAME];
+    uint64_t frame = d->row.frame, tick = d->row.tick;
+    bool complete = d->begun, anew = listen_sync(d->scene.substeps, m, &frame, &tick);
+    if (anew)
         memset(d->counter, 0, sizeof d->counter);
-    }
     int64_t missing = note_counter(d, m, frame, tick);
     if (missing < 0)
         return false;
@@ -176,8 +145,8 @@ static bool hear_sync(struct decode *d, const struct message *m, struct decode_r
     return complete;
 }
 
-/* Takes output i, or that it is not available. */
-static void take_output(struct decode_row *row, int i, double value)
+/* Output i, or that it is not available. */
+static void put_output(struct decode_row *row, int i, double value)
 {
     row->value[i] = value;
     row->beyond &= ~(1u << i);
@@ -189,7 +158,7 @@ STATIC_ASSERT((int)MOTION_IN_CONTACT == (int)CONTACT_IN_CONTACT &&
                   (int)MOTION_VELOCITY == (int)CONTACT_FORCE,
               pairs_are_alike);
 
-static void hear_pair(struct decode *d, const struct message *m, int i, int64_t missing)
+static void take_pair(struct decode *d, const struct message *m, int i, int64_t missing)
 {
     struct decode_pair *p = &d->pair[i];
     if (missing < 0)
@@ -198,12 +167,12 @@ static void hear_pair(struct decode *d, const struct message *m, int i, int64_t 
     if (p->came > 1)
         return; /* it is a later SYNC's, which is missing */
     p->closed = (unsigned)m->value[MOTION_IN_CONTACT];
-    take_output(&d->row, 2 * i, m->value[MOTION_DISPLACEMENT]);
-    take_output(&d->row, 2 * i + 1, m->value[MOTION_VELOCITY]);
+    put_output(&d->row, 2 * i, m->value[MOTION_DISPLACEMENT]);
+    put_output(&d->row, 2 * i + 1, m->value[MOTION_VELOCITY]);
 }
 
 /* A sample on its way to input i. */
-static void hear_sample(struct decode *d, int i, double value)
+static void take_sample(struct decode *d, int i, double value)
 {
     d->row.value[DECODE_OUTPUTS + i] = value;
     d->row.echoed &= ~(1u << i);
@@ -211,7 +180,7 @@ static void hear_sample(struct decode *d, int i, double value)
 }
 
 /* The sample that the plant took, where nobody else tells it. */
-static void hear_echo(struct decode *d, const struct message *m, int i)
+static void take_echo(struct decode *d, const struct message *m, int i)
 {
     uint64_t frame = d->row.tick / (d->scene.substeps ? d->scene.substeps : 1);
     if (d->streamed >> i & 1u)
@@ -221,92 +190,38 @@ static void hear_echo(struct decode *d, const struct message *m, int i)
         d->row.value[DECODE_OUTPUTS + i] = m->value[STREAM_ECHO_SAMPLE];
 }
 
-static void tell_event(struct decode *d)
+static void take_other(struct decode *d, const struct message *m)
 {
-    if (d->event_waits && d->heard)
-        d->heard(d->context, &d->event);
-    d->event_waits = false;
-}
-
-/* An event is two messages of one COUNTER. Without its time it is none, without its data it is told as it is.
- */
-static void hear_event(struct decode *d, const struct message *m)
-{
-    if (m->kind == WIRE_EVENT_TIME) {
-        uint64_t tick = extend(d->row.tick, m->value[EVENT_TIME_TICK], 32);
-        tell_event(d);
-        d->event = (struct decode_event){.t_s = ((double)tick + m->value[EVENT_TIME_FRACTION]) * d->tick_s,
-                                         .touch = m->value[EVENT_TOUCH] > 0.0,
-                                         .contact = (unsigned)m->value[EVENT_CONTACT],
-                                         .untold = true,
-                                         .speed = (double)NAN,
-                                         .peak_force_N = (double)NAN};
-        d->event_counter = m->counter;
-        d->event_waits = true;
-        return;
-    }
-    if (!d->event_waits || m->counter != d->event_counter)
-        return;
-    d->event.untold = false;
-    d->event.speed = m->value[EVENT_DATA_SPEED];
-    d->event.peak_force_N = m->value[EVENT_DATA_PEAK_FORCE];
-    tell_event(d);
-}
-
-static void hear(struct decode *d, const struct message *m)
-{
-    log_tally_hear(&d->tally, m);
+    log_tally_take(&d->tally, m);
     if (m->kind < WIRE_COMMANDS) {
         if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
-            hear_sample(d, m->kind - WIRE_STREAM, m->value[STREAM_SAMPLE]);
+            take_sample(d, m->kind - WIRE_STREAM, m->value[STREAM_SAMPLE]);
         return;
     }
     note_pace(d, m);
     int64_t missing = note_counter(d, m, d->row.frame, d->row.tick);
     if (m->kind == WIRE_MOTION || m->kind == WIRE_CONTACT)
-        hear_pair(d, m, m->kind - WIRE_MOTION, missing);
+        take_pair(d, m, m->kind - WIRE_MOTION, missing);
     else if (is_echo(m->kind))
-        hear_echo(d, m, m->kind - WIRE_STREAM_ECHO);
-    else if (m->kind == WIRE_EVENT_TIME || m->kind == WIRE_EVENT_DATA)
-        hear_event(d, m);
+        take_echo(d, m, m->kind - WIRE_STREAM_ECHO);
     else if (m->kind == WIRE_STATUS)
         d->row.state = (int)m->value[STATUS_STATE];
+    else
+        listen_events_take(&d->events, m, d->row.tick);
 }
 
 bool decode_take(struct decode *d, const struct message *m, struct decode_row *row)
 {
     if (m->kind == WIRE_SYNC)
-        return hear_sync(d, m, row);
-    hear(d, m);
+        return take_sync(d, m, row);
+    take_other(d, m);
     return false;
 }
 
-/* A row ends where the next SYNC begins one, or with the log. */
-int decode_next(struct decode *d, struct decode_row *row)
+void decode_end(struct decode *d, struct decode_row *row)
 {
-    struct log_line line;
-    struct message m;
-    int got = 0;
-    while (!d->ended && (got = plant_log_next(&d->log, &line, &m)) > 0)
-        if (m.kind != WIRE_KINDS && decode_take(d, &m, row))
-            return 1;
-    bool last = !d->ended && got == 0 && d->begun;
-    d->ended = true;
-    tell_event(d);
+    listen_events_end(&d->events);
     finish_row(d, 0, row);
-    return got < 0 ? -1 : last;
-}
-
-void decode_tell(const struct decode *d, const char *command)
-{
-    plant_log_tell(&d->log, command);
-    if (d->row.run)
-        fprintf(
-            stderr,
-            "contactplant %s: %s: plant time begins anew %u time%s; the plant was started again, or this is "
-            "more than one log\n",
-            command, d->log.reader.path, d->row.run, d->row.run == 1 ? "" : "s");
-    decode_tell_missing(d, command, d->log.reader.path);
 }
 
 void decode_tell_missing(const struct decode *d, const char *command, const char *where)

@@ -1,0 +1,19 @@
+/* trial.c - see trial.h. */
+#include "host_sim/trial/trial.h"
+#include "firmware/afm/afm_plant.h"
+#include "host_sim/scene/scene_app.h"
+
+const struct model *trial_model(const struct trial *t)
+{
+    return t->is_microscope ? &afm_plant : t->scene.model;
+}
+
+const struct parameter *trial_parameter(const struct trial *t, int index)
+{
+    return scene_parameter(trial_model(t), index);
+}
+
+double trial_varied_value(const struct trial_case *c, int i)
+{
+    return c->vary_from + (c->vary_to - c->vary_from) * i / (c->n_varied - 1);
+}

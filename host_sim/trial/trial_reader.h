@@ -1,0 +1,50 @@
+/* trial_reader.h - common parts of the reader of a test file: values, ranges, signals, parameters. */
+#ifndef HOST_SIM_TRIAL_READER_H
+#define HOST_SIM_TRIAL_READER_H
+
+#include "host_sim/trial/trial.h"
+
+enum trial_section { TRIAL_IN_NOTHING, TRIAL_IN_PLANT, TRIAL_IN_CONTROLLER, TRIAL_IN_CASE };
+
+/* The parts of the reader share this. */
+struct trial_reader {
+    struct scene_text text;
+    struct trial *trial;
+    bool (*load)(const char *file, const char *name, struct scene *s, char *why);
+    struct trial_case *now; /* NULL before the first case */
+    enum trial_section section;
+    bool given[TRIAL_KEYS]; /* keys of this section */
+};
+
+/* One line into why: this line of the file, and the message. Always false. */
+#define trial_wrong(r, ...) scene_text_wrong((r)->text.file, (r)->text.line, (r)->text.why, __VA_ARGS__)
+
+/* A value with its unit inside [min, max]. `name`: in messages. */
+bool trial_read_value(struct trial_reader *r, const char *name, struct word w, const char *unit, double min,
+                      double max, double *value);
+
+/* A text into to[size]. */
+bool trial_copy(struct trial_reader *r, struct word w, char *to, size_t size);
+
+/* A whole number. */
+bool trial_read_count(struct trial_reader *r, const char *name, struct word w, double min, double max,
+                      double *value);
+
+/* Splits at the first `..`; false where there is none. */
+bool trial_split_range(struct word w, struct word *from, struct word *to);
+
+/* The wire index of a parameter or setting, mass_kg or mass; -1: there is none, and trial_no_name is the
+ * message, with keys that may stand there too. */
+int trial_find_set(struct trial_reader *r, struct word name);
+bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys);
+
+/* A parameter or setting and its value. A name with its unit in it, as mass_kg, takes a bare number too. */
+bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct action_set *set);
+
+/* Takes ` MARK TAIL`, the last of its kind, off the end of *rest. */
+bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);
+
+/* The signal of this name; -1 after a message. */
+int trial_find_signal(struct trial_reader *r, struct word name);
+
+#endif
