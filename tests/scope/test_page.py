@@ -26,9 +26,9 @@ def look(tab, name):
         tab.picture(os.path.join(pictures, name + ".png"))
 
 
-# Reads pixels of a lane back: the rows of column `x` (in px of the page) that are not empty.
-PIXELS = """((lane, x) => {
-  const canvas = document.querySelectorAll('#lanes canvas')[lane], ratio = canvas.width / canvas.clientWidth;
+# Reads pixels of a panel back: the rows of column `x` (in px of the page) that are not empty.
+PIXELS = """((panel, x) => {
+  const canvas = document.querySelectorAll('#panels canvas')[panel], ratio = canvas.width / canvas.clientWidth;
   const copy = new OffscreenCanvas(1, canvas.height), c = copy.getContext('2d', {willReadFrequently: true}), rows = [];
   c.drawImage(canvas, -Math.floor(x * ratio), 0);
   const data = c.getImageData(0, 0, 1, canvas.height).data;
@@ -37,8 +37,8 @@ PIXELS = """((lane, x) => {
 })"""
 
 
-def column(tab, lane, x):
-    return tab.run(f"{PIXELS}({lane},{x})")
+def column(tab, panel, x):
+    return tab.run(f"{PIXELS}({panel},{x})")
 
 
 def colour(tab, name):
@@ -55,13 +55,13 @@ def settle(tab):
     tab.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done))))")
 
 
-def plot_of(tab, lane):
+def plot_of(tab, panel):
     return tab.run("(({left, top, bottom, x0, x1}, columns) => ({left, top, bottom, x0, x1, columns}))"
-                   f"(scope.look().lanes[{lane}].chart, scope.look().lanes[{lane}].chart.columns())")
+                   f"(scope.look().panels[{panel}].chart, scope.look().panels[{panel}].chart.columns())")
 
 
-def lane_of(tab, key):
-    return tab.run("scope.look().lanes.map((l) => l.key)").index(key)
+def panel_of(tab, key):
+    return tab.run("scope.look().panels.map((l) => l.key)").index(key)
 
 
 def counts(tab):
@@ -84,16 +84,16 @@ def flat_envelope(tab):
     for span, key in ((10, "5"), (2, "4"), (0.5, "3")):
         tab.key(key)
         settle(tab)
-        for lane, (name, low, high) in enumerate((("displacement", MEAN_M - AMPLITUDE_M, MEAN_M + AMPLITUDE_M),
+        for panel, (name, low, high) in enumerate((("displacement", MEAN_M - AMPLITUDE_M, MEAN_M + AMPLITUDE_M),
                                                   ("velocity", -AMPLITUDE_M * 2 * 3.141592653589793 * HZ,
                                                    AMPLITUDE_M * 2 * 3.141592653589793 * HZ))):
-            plot = plot_of(tab, lane)
-            y = [tab.run(f"scope.look().lanes[{lane}].chart.py({v})") for v in (low, high)]
-            marker = tab.run(f"scope.pixelOf({LIFTS[0][0]!r}, {lane})")
+            plot = plot_of(tab, panel)
+            y = [tab.run(f"scope.look().panels[{panel}].chart.py({v})") for v in (low, high)]
+            marker = tab.run(f"scope.pixelOf({LIFTS[0][0]!r}, {panel})")
             # the line at the burst's trigger and its name lie over some columns
             places = [x for x in range(plot["left"] + 4, plot["left"] + plot["columns"] - 4, 7) if not -2 < x - marker < 50]
-            ink, edges = colour_of[lane], []
-            for rows in tab.run(f"{json.dumps(places)}.map((x) => {PIXELS}({lane}, x).map((c) => "
+            ink, edges = colour_of[panel], []
+            for rows in tab.run(f"{json.dumps(places)}.map((x) => {PIXELS}({panel}, x).map((c) => "
                                 f"Math.max(...c.map((v, i) => Math.abs(v - {ink}[i]))) <= 24))"):
                 seen = [k for k, near_ink in enumerate(rows) if near_ink and plot["top"] < k < plot["bottom"]]
                 edges.append((min(seen), max(seen)) if seen else (-99, -99))
@@ -105,22 +105,22 @@ def flat_envelope(tab):
 
 def planted_lift_off(tab):
     """The first lift-off of the story, in three windows: its pixel, and where the strip changes its colour."""
-    lane = lane_of(tab, "contact")
+    panel = panel_of(tab, "contact")
     for zooms in range(3):
         for key in "g" + zooms * "+":
             tab.key(key)  # g puts the cursor on the trigger, and zooming keeps it in its place
         tab.key("Escape")
         settle(tab)
-        plot = plot_of(tab, lane)
+        plot = plot_of(tab, panel)
         lift, touch = LIFTS[0]
         if not plot["x0"] < lift < plot["x1"]:
             check("the trigger stays in view", False, plot)
             return
-        width = tab.run(f"document.querySelectorAll('#lanes canvas')[{lane}].clientWidth") - plot["left"] - 10
+        width = tab.run(f"document.querySelectorAll('#panels canvas')[{panel}].clientWidth") - plot["left"] - 10
         exact = plot["left"] + (lift - plot["x0"]) / (plot["x1"] - plot["x0"]) * width
-        told = tab.run(f"scope.pixelOf({lift!r}, {lane})")
+        told = tab.run(f"scope.pixelOf({lift!r}, {panel})")
         y = int(plot["top"]) + 6
-        row = [column(tab, lane, x)[y] for x in range(int(exact) - 6, int(exact) + 7)]
+        row = [column(tab, panel, x)[y] for x in range(int(exact) - 6, int(exact) + 7)]
         first = next((int(exact) - 6 + i for i, c in enumerate(row) if near(c, colour_of["orange"])), None)
         # the colour of a column counts from its left edge on
         check(f"a planted lift-off is drawn within 1 px of its time ({1e3 * (plot['x1'] - plot['x0']):.3g} ms window)",
@@ -146,8 +146,8 @@ def keyboard(tab):
     first = tab.run("scope.look().view.cursor")
     tab.key(">")
     check("the cursor moves by keys", tab.run("scope.look().view.cursor") > first)
-    tab.wait(f"document.querySelector('#lanes canvas').getAttribute('aria-label').includes('at ')")
-    label = tab.run("document.querySelector('#lanes canvas').getAttribute('aria-label')")
+    tab.wait(f"document.querySelector('#panels canvas').getAttribute('aria-label').includes('at ')")
+    label = tab.run("document.querySelector('#panels canvas').getAttribute('aria-label')")
     check("its values are told in words", "µm" in label, label)
     tab.key("b")
     check("b goes to the burst", tab.run("document.activeElement.id") == "burst")

@@ -272,14 +272,14 @@ function choose(id) {
   if (shown !== plants.get(id))
     escape(), shown = plants.get(id), pause(false);
   find("plant").value = shown.about.plant;
-  makeLanes();
+  makePanels();
 }
 
 /* ---- what is seen of it ---- */
 
 /* end: of the time axis, or null for now; cursor: plant time. burst: the keys act on the burst. */
 const view = {span: 10, end: null, cursor: NaN, burst: false, slot: 0, from: NaN, to: NaN, at: NaN};
-let lanes = [];
+let panels = [];
 const burstNow = () => shown.burst;
 /* The right edge. A window that is not full yet fills from the left. */
 const end = () => view.end === null ? max(shown.now, (shown.rows.n ? shown.rows.t[0] : 0) + view.span) : view.end;
@@ -354,7 +354,7 @@ function spacing(p) {
 }
 
 /* The y axis: wide at once, narrow slowly. */
-function laneRange(p, key, low, high, least = low) {
+function panelRange(p, key, low, high, least = low) {
   const wanted = rangeOf(min(least, low), high), old = p.range[key];
   if (!(high >= low))
     return old || wanted;
@@ -373,9 +373,9 @@ const inView = (s, x0, x1) => [max(0, s.at(x0) - 1), min(s.n, s.at(x1) + 1)];
 /* The entry at the cursor, else the last. */
 const entryAt = (s) => finite(view.cursor) ? min(s.n - 1, s.at(view.cursor)) : s.n - 1;
 
-function makeLanes() {
+function makePanels() {
   const {outputs, inputs} = shown.about, some = (list) => list.slice(0, 4);
-  lanes = [
+  panels = [
     ...some(outputs).map((o, k) => ({key: "output " + k, height: 92, draw: drawOutput, name: plain(o.name), unit: o.unit, k})),
     ...(shown.about.contacts ? [{key: "contact", height: 96, draw: drawContact, name: "impact speed"},
       {key: "loss", height: 52, draw: drawLoss, name: "share of time out of contact"}] : []),
@@ -383,61 +383,61 @@ function makeLanes() {
     {key: "phase", height: 60, draw: drawLockin, phase: true, name: "lock-in phase"},
     ...some(inputs).map((o, k) => ({key: "drive " + k, height: 62, draw: drawDrive, name: "input " + plain(o.name), unit: o.unit, k})),
   ];
-  for (const lane of lanes) {
-    const canvas = make("canvas", {role: "img", ariaLabel: lane.name});
-    canvas.style.height = lane.height + "px";
-    Object.assign(lane, {canvas, chart: new Chart(canvas)});
+  for (const panel of panels) {
+    const canvas = make("canvas", {role: "img", ariaLabel: panel.name});
+    canvas.style.height = panel.height + "px";
+    Object.assign(panel, {canvas, chart: new Chart(canvas)});
   }
-  find("lanes").replaceChildren(...lanes.map((l) => l.canvas));
+  find("panels").replaceChildren(...panels.map((l) => l.canvas));
 }
 
-function beginLane(lane, y, yUnit, bare) {
-  const x1 = end(), last = lane === lanes.filter((l) => !l.canvas.hidden).pop();
-  const height = lane.height + (last ? 26 : 0) + "px";
-  if (lane.canvas.style.height !== height)
-    lane.canvas.style.height = height;
-  lane.chart.begin({x: [x1 - view.span, x1], y, yUnit, xUnit: "s", title: lane.name, bare,
+function beginPanel(panel, y, yUnit, bare) {
+  const x1 = end(), last = panel === panels.filter((l) => !l.canvas.hidden).pop();
+  const height = panel.height + (last ? 26 : 0) + "px";
+  if (panel.canvas.style.height !== height)
+    panel.canvas.style.height = height;
+  panel.chart.begin({x: [x1 - view.span, x1], y, yUnit, xUnit: "s", title: panel.name, bare,
       xLabel: last ? "plant time" : ""});
-  return lane.chart;
+  return panel.chart;
 }
 
-function finishLane(lane, entries) {
-  const chart = lane.chart;
+function finishPanel(panel, entries) {
+  const chart = panel.chart;
   if (view.cursor >= chart.x0 && view.cursor <= chart.x1)
     chart.marker(view.cursor, "ink", "", []);
   const b = burstNow();
   if (b && b.trigger_t >= chart.x0 && b.trigger_t <= chart.x1)
-    chart.marker(b.trigger_t, "purple", lane === lanes[0] ? "burst" : "");
+    chart.marker(b.trigger_t, "purple", panel === panels[0] ? "burst" : "");
   if (entries)
     chart.legend(entries);
   chart.end();
 }
 
-/* ---- lanes ---- */
+/* ---- panels ---- */
 
-function drawOutput(lane, p) {
-  const chart = lane.chart, f = fastest(p), rate = 1 / spacing(p);
+function drawOutput(panel, p) {
+  const chart = panel.chart, f = fastest(p), rate = 1 / spacing(p);
   const reach = bandRows(f.drive > SLOW * rate ? f.drive : f.f0, rate);
   /* the pixels of the axis first: the y axis follows from them */
-  chart.axis({x: [end() - view.span, end()]}, lane.canvas.clientWidth);
+  chart.axis({x: [end() - view.span, end()]}, panel.canvas.clientWidth);
   const used = chart.columns(), perRow = used / (view.span / spacing(p));
-  const {low, high} = envelope(chart, p, lane.k, perRow >= 4 ? {rows: reach.rows, period_s: 0} : reach);
-  Object.assign(lane, {low, high});
+  const {low, high} = envelope(chart, p, panel.k, perRow >= 4 ? {rows: reach.rows, period_s: 0} : reach);
+  Object.assign(panel, {low, high});
   const [least] = extremes(low), [, most] = extremes(high);
-  beginLane(lane, laneRange(p, lane.key, least, most), lane.unit);
+  beginPanel(panel, panelRange(p, panel.key, least, most), panel.unit);
   if (!(most >= least))
     chart.say(p.about.identity === "same" ? "nothing in this window" : "waiting for the plant's identity");
-  chart.band(low, high, COLOURS[lane.k]);
+  chart.band(low, high, COLOURS[panel.k]);
   const from = p.rows.at(chart.x0), to = p.rows.at(chart.x1);
   if (max(f.drive, f.f0) <= SLOW * rate && perRow > 1) /* nothing is faster than a tenth of the rows: a line may join them */
-    chart.line(p.rows.t, p.rows.column[OUT + lane.k], COLOURS[lane.k], {from, to});
+    chart.line(p.rows.t, p.rows.column[OUT + panel.k], COLOURS[panel.k], {from, to});
   if (perRow >= 4)
-    chart.points(p.rows.t, p.rows.column[OUT + lane.k], "ink", {from, to, size: 3});
-  finishLane(lane, [[bandNote(lane, p, reach)], [readBand(lane, chart, used)]]);
+    chart.points(p.rows.t, p.rows.column[OUT + panel.k], "ink", {from, to, size: 3});
+  finishPanel(panel, [[bandNote(panel, p, reach)], [readBand(panel, chart, used)]]);
 }
 
-function bandNote(lane, p, reach) {
-  if (lane.k === 0 && turns(p))
+function bandNote(panel, p, reach) {
+  if (panel.k === 0 && turns(p))
     return "rows and turning points";
   if (reach.rows <= 1)
     return "rows";
@@ -446,13 +446,13 @@ function bandNote(lane, p, reach) {
 }
 
 /* Least to greatest at the cursor or at the end. */
-function readBand(lane, chart, used) {
+function readBand(panel, chart, used) {
   const at = finite(view.cursor) ? view.cursor : min(chart.x1, shown.rows.last(T)) - view.span / used;
   const i = clamp(floor(chart.px(at) - chart.left), 0, used - 1);
-  const u = unitFor(max(abs(lane.low[i]), abs(lane.high[i])), lane.unit);
-  lane.values = !(lane.high[i] >= lane.low[i]) ? "no value" : number(lane.low[i] * u.factor, 4) + " … " +
-    number(lane.high[i] * u.factor, 4) + " " + u.unit;
-  return lane.values;
+  const u = unitFor(max(abs(panel.low[i]), abs(panel.high[i])), panel.unit);
+  panel.values = !(panel.high[i] >= panel.low[i]) ? "no value" : number(panel.low[i] * u.factor, 4) + " … " +
+    number(panel.high[i] * u.factor, 4) + " " + u.unit;
+  return panel.values;
 }
 
 /* For each pixel the share of its time in which a contact is closed; drawn from below, with the open share above. */
@@ -499,14 +499,14 @@ function stemsOf(chart, p, touch) {
   return {x, y};
 }
 
-function drawContact(lane, p) {
-  const chart = lane.chart, x1 = end();
+function drawContact(panel, p) {
+  const chart = panel.chart, x1 = end();
   checkMasks(p, p.now - MASK_LAG_S);
   const e = p.events, from = e.at(x1 - view.span), to = e.at(x1);
   let most = 0;
   for (let i = from; i < to; i++)
     most = max(most, abs(e.column[3][i]) || 0);
-  beginLane(lane, [0, laneRange(p, lane.key, 0, most || 1, 0)[1] * 1.3], "m/s");
+  beginPanel(panel, [0, panelRange(p, panel.key, 0, most || 1, 0)[1] * 1.3], "m/s");
   for (const [touch, name] of [[0, "green"], [1, "red"]]) {
     const s = stemsOf(chart, p, touch);
     chart.stems(s.x, s.y, name);
@@ -515,20 +515,20 @@ function drawContact(lane, p) {
   let held = 0;
   for (let i = p.summary.at(x1 - view.span); i < p.summary.n && p.summary.t[i] <= x1; i++)
     held += p.summary.column[3][i] || 0;
-  lane.values = `${to - from} switches, up to ${quantity(most, "m/s", 3)}` +
+  panel.values = `${to - from} switches, up to ${quantity(most, "m/s", 3)}` +
     (held ? `; ${held} more were not sent` : "");
-  finishLane(lane, [[held ? `${held} events not sent` : `${to - from} switches`], ["closed", "blue"],
+  finishPanel(panel, [[held ? `${held} events not sent` : `${to - from} switches`], ["closed", "blue"],
       ["open", "orange"], ["touchdown", "red"], ["lift-off", "green"]]
     .slice(innerWidth < 600 ? 1 : 0));
 }
 
-function drawLoss(lane, p) {
-  const chart = beginLane(lane, [0, 100], "%"), s = p.summary, [from, to] = inView(s, chart.x0, chart.x1);
+function drawLoss(panel, p) {
+  const chart = beginPanel(panel, [0, 100], "%"), s = p.summary, [from, to] = inView(s, chart.x0, chart.x1);
   const share = s.column[2].subarray(0, s.n).map((v) => 100 * v);
   chart.line(s.t, share, "orange", {from, to, steps: true, width: 2});
   const at = entryAt(s);
-  lane.values = s.n ? number(share[at], 3) + " %" : "not told yet";
-  finishLane(lane, [[lane.values]]);
+  panel.values = s.n ? number(share[at], 3) + " %" : "not told yet";
+  finishPanel(panel, [[panel.values]]);
 }
 
 /* The slots that are shown: those of the chosen one's unit. */
@@ -538,29 +538,29 @@ function slotsShown(p) {
   return first ? told.filter((s) => s.unit === first.unit) : [];
 }
 
-function drawLockin(lane, p) {
-  const slots = slotsShown(p), column = lane.phase ? 2 : 1, unit = lane.phase ? "rad" : slots.length ? slots[0].unit : "";
+function drawLockin(panel, p) {
+  const slots = slotsShown(p), column = panel.phase ? 2 : 1, unit = panel.phase ? "rad" : slots.length ? slots[0].unit : "";
   const seen = slots.flatMap((s) => {
     const l = p.lockin[s.slot];
     return extremes(l.column[column].subarray(...inView(l, end() - view.span, end())));
   });
-  const chart = beginLane(lane, lane.phase ? [-Math.PI, Math.PI] : laneRange(p, "lock-in " + unit, ...extremes(seen), 0), unit);
+  const chart = beginPanel(panel, panel.phase ? [-Math.PI, Math.PI] : panelRange(p, "lock-in " + unit, ...extremes(seen), 0), unit);
   if (!slots.length)
     chart.say("no lock-in window has ended");
-  const entries = slots.map((s) => drawSlot(chart, lane, p, s, column));
-  lane.values = entries.map((e) => e[0]).join(", ");
-  finishLane(lane, entries);
+  const entries = slots.map((s) => drawSlot(chart, panel, p, s, column));
+  panel.values = entries.map((e) => e[0]).join(", ");
+  finishPanel(panel, entries);
 }
 
 const NO_LOCKIN = "not available: less than a period a window, or another drive is too near";
 
-function drawSlot(chart, lane, p, s, column) {
+function drawSlot(chart, panel, p, s, column) {
   const l = p.lockin[s.slot], [from, to] = inView(l, chart.x0, chart.x1), name = COLOURS[s.slot % 4];
   const y = l.column[column].subarray(0, l.n);
-  chart.line(l.t, lane.phase ? unwrapped(y) : y, name, {from, to, width: 2});
+  chart.line(l.t, panel.phase ? unwrapped(y) : y, name, {from, to, width: 2});
   chart.points(l.t, y, name, {from, to, size: 4});
   const at = entryAt(l);
-  return [lane.phase ? number(y[at], 3) + " rad"
+  return [panel.phase ? number(y[at], 3) + " rad"
     : `${plain(s.output)}, harmonic ${s.harmonic} of ${plain(s.input)}: ${isNaN(y[at]) ? NO_LOCKIN : quantity(y[at], s.unit)}`, name];
 }
 
@@ -569,27 +569,27 @@ function unwrapped(y) {
   return y.map((v, i) => i && abs(v - y[i - 1]) > Math.PI ? NaN : v);
 }
 
-function drawDrive(lane, p) {
-  const name = p.about.inputs[lane.k].name, d = p.tables.drives[name] || {}, s = p.drives[name];
-  const stream = p.rows.column[STREAM + lane.k], from = p.rows.at(end() - view.span), to = p.rows.at(end());
+function drawDrive(panel, p) {
+  const name = p.about.inputs[panel.k].name, d = p.tables.drives[name] || {}, s = p.drives[name];
+  const stream = p.rows.column[STREAM + panel.k], from = p.rows.at(end() - view.span), to = p.rows.at(end());
   const streamed = extremes(stream.subarray(from, to));
   const ever = s && s.column[1].subarray(0, s.n).some((v) => v) || d.noise || streamed[1] >= streamed[0];
-  lane.canvas.hidden = !ever && lanes.some((l) => l.draw === drawDrive && l !== lane && (l.k < lane.k || !l.canvas.hidden));
-  if (lane.canvas.hidden)
+  panel.canvas.hidden = !ever && panels.some((l) => l.draw === drawDrive && l !== panel && (l.k < panel.k || !l.canvas.hidden));
+  if (panel.canvas.hidden)
     return;
   const told = s ? inView(s, end() - view.span, end()) : [0, 0];
   const set = s ? extremes(s.column[1].subarray(...told)) : [Infinity, -Infinity];
-  const chart = beginLane(lane, laneRange(p, lane.key, min(set[0], streamed[0]), max(set[1], streamed[1]), 0),
-      lane.unit);
+  const chart = beginPanel(panel, panelRange(p, panel.key, min(set[0], streamed[0]), max(set[1], streamed[1]), 0),
+      panel.unit);
   if (s) /* held until now */
     chart.line([...s.t.subarray(...told), min(chart.x1, p.now)], [...s.column[1].subarray(...told), s.last(1)], "purple",
          {steps: true, width: 2});
   chart.line(p.rows.t, stream, "green", {steps: true, from, to});
-  markCommands(chart, p, lane.k);
-  const words = `${quantity(nan(d.amplitude), lane.unit)} at ${quantity(nan(d.frequency), "Hz", 6)}, ` +
-    `phase ${number(nan(d.phase), 3)} rad` + (d.noise ? `, noise ${quantity(d.noise, lane.unit)}` : "");
-  lane.values = d.amplitude === undefined ? "not told yet" : words;
-  finishLane(lane, [[ever ? lane.values : "no drive sounds"], ["amplitude", "purple"], ["samples", "green"]]);
+  markCommands(chart, p, panel.k);
+  const words = `${quantity(nan(d.amplitude), panel.unit)} at ${quantity(nan(d.frequency), "Hz", 6)}, ` +
+    `phase ${number(nan(d.phase), 3)} rad` + (d.noise ? `, noise ${quantity(d.noise, panel.unit)}` : "");
+  panel.values = d.amplitude === undefined ? "not told yet" : words;
+  finishPanel(panel, [[ever ? panel.values : "no drive sounds"], ["amplitude", "purple"], ["samples", "green"]]);
 }
 
 /* Commands that were heard, where they were. */
@@ -826,7 +826,7 @@ function showTables() {
   for (const show of [showState, showEnergy, showCounters, showSaid, drawTiming])
     show(shown);
   const words = finite(view.cursor) ? `at ${number(view.cursor, 7)} s` : "now";
-  for (const l of lanes)
+  for (const l of panels)
     l.canvas.ariaLabel = `${l.name}, ${words}: ${l.values || "no value"}`;
   const s = (performance.now() - counted.began) / 1000;
   find("rate").textContent = `${number(counted.pictures / s, 3)} pictures a second, ${shown.received} rows`;
@@ -890,7 +890,7 @@ function moveCursor(pixels) {
       view.at = (view.at || 0) + Math.sign(pixels) * b.sample_s * (abs(pixels) > 1 ? 10 : 1);
     return;
   }
-  const chart = lanes[0].chart, x1 = end();
+  const chart = panels[0].chart, x1 = end();
   pause(true);
   const at = finite(view.cursor) ? view.cursor : x1 - view.span / 2;
   view.cursor = clamp(at + pixels * view.span / chart.columns(), x1 - view.span, x1);
@@ -991,11 +991,11 @@ function onKey(e) {
 }
 
 function onPointer(e) {
-  const lane = lanes.find((l) => l.canvas === e.target);
-  if (!lane || lane.chart.x1 === undefined)
+  const panel = panels.find((l) => l.canvas === e.target);
+  if (!panel || panel.chart.x1 === undefined)
     return;
   const at = e.clientX - e.target.getBoundingClientRect().left;
-  view.cursor = at >= lane.chart.left ? lane.chart.xAt(at) : NaN;
+  view.cursor = at >= panel.chart.left ? panel.chart.xAt(at) : NaN;
 }
 
 function listen() {
@@ -1012,7 +1012,7 @@ function listen() {
   find("take").onclick = () => keys.c();
   find("plant").onchange = (e) => choose(Number(e.target.value));
   find("window").onchange = (e) => setSpan(Number(e.target.value));
-  const box = find("lanes");
+  const box = find("panels");
   box.onpointermove = onPointer;
   box.onpointerdown = onPointer;
   box.onpointerleave = () => view.cursor = view.end === null ? NaN : view.cursor;
@@ -1030,8 +1030,8 @@ function picture(now) {
   requestAnimationFrame(picture);
   counted.frames++;
   if (shown && hello.contract === CONTRACT) {
-    for (const lane of lanes)
-      lane.draw(lane, shown);
+    for (const panel of panels)
+      panel.draw(panel, shown);
     drawBurst();
     counted.pictures++;
   }
@@ -1043,8 +1043,8 @@ function picture(now) {
 
 /* For tests. */
 window.scope = Object.freeze({
-  pixelOf: (t, lane = 0) => lanes[lane].chart.px(t),
-  look: () => ({view, lanes, shown, counted, plants}),
+  pixelOf: (t, panel = 0) => panels[panel].chart.px(t),
+  look: () => ({view, panels, shown, counted, plants}),
 });
 
 showTheme();
