@@ -10,7 +10,7 @@
  *              `active`, whose bit i says that input i sounds; the first that holds counts. STAY: none
  *   states, contacts, n_inputs   as in struct model; fewer inputs where the last ones never reach the row
  *   rhs, gap, flow   as in struct model, for these inputs; static inline, in a header of the model
- *   lanes      flow for TICK_LANES ticks side by side (models/flows.h), or NULL
+ *   lanes      flow for TICK_LANES ticks side by side (models/flows.h); NULL or left out: one tick at a time
  *
  * A file that compiles the table in defines JUMP and what a row becomes, and writes INSTANCES(that). */
 #ifndef FIRMWARE_INSTANCES_H
@@ -28,6 +28,7 @@
 #endif
 
 #define NOBODY false
+#define FLOW_AND_LANES(flow, lanes, ...) flow, lanes /* of (columns from flow on, NULL, NULL) */
 #define STAY
 #if TICK_LANES > 1
 #define FLOW_LANES(flow) flow##_lanes

@@ -133,7 +133,7 @@ INSTANCES(DECLARE)
         return step_##row(m, p, scratch, e, regime, x, c);
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
-#define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                      \
+#define STEP(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                             \
     CALLED_FROM_ANYWHERE enum step_status step_##name(const struct model *m, const double *p,                \
                                                       double *scratch, const struct segment *e,              \
                                                       unsigned regime, double *x, struct crossing *c)        \
@@ -192,7 +192,7 @@ INSTANCES(DECLARE_RUN)
     if (when)                                                                                                \
         return run_##row(m, p, scratch, b, at, x, n);
 
-#define RUN(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                       \
+#define RUN(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
     CALLED_FROM_ANYWHERE uint32_t run_##name(                                                                \
         const struct model *m, const double *p, double *scratch, const struct method_block *b,               \
         const struct input(*at)[MODEL_INPUTS], double(*x)[MODEL_STATES], uint32_t n)                         \

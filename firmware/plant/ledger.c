@@ -216,12 +216,13 @@ static double ticks_general(struct ledger *l, const double *p, const struct inpu
 
 #if TICK_LANES > 1
 /* Ticks of a block. A last one alone is rare. */
-#define TICKS_OF(name, states, n_inputs, flow, wide)                                                         \
+#define TICKS_OF(name, states, n_inputs, ...)                                                                \
     (n == TICK_LANES                                                                                         \
-         ? side_by_side((struct inlined){states, n_inputs, flow, wide}, l, p, at + 1, x[0], x[1])            \
+         ? side_by_side((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,   \
+                        at + 1, x[0], x[1])                                                                  \
          : ticks_general(l, p, at, x, n))
 #else
-#define TICKS_OF(name, states, n_inputs, flow, wide) one_by_one(one_##name, l, p, at, x, n)
+#define TICKS_OF(name, states, n_inputs, ...) one_by_one(one_##name, l, p, at, x, n)
 #endif
 
 #define DECLARE(name, ...)                                                                                   \
@@ -236,19 +237,21 @@ INSTANCES(DECLARE)
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places.
  * Without lanes pieces and ticks share a copy of the row, for room. */
 #if TICK_LANES > 1
-#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                       \
+#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
     ALWAYS_INLINE double one_##name(struct ledger *l, const double *p,                                       \
                                     const struct input(*at)[MODEL_INPUTS], const double *x0,                 \
                                     const double *x1)                                                        \
     {                                                                                                        \
-        return one_piece((struct inlined){states, n_inputs, flow, wide}, l, p, at, x0, x1);                  \
+        return one_piece((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,  \
+                         at, x0, x1);                                                                        \
     }
 #else
-#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                       \
+#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
     NEVER_INLINE double one_##name(struct ledger *l, const double *p, const struct input(*at)[MODEL_INPUTS], \
                                    const double *x0, const double *x1)                                       \
     {                                                                                                        \
-        return one_piece((struct inlined){states, n_inputs, flow, wide}, l, p, at, x0, x1);                  \
+        return one_piece((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,  \
+                         at, x0, x1);                                                                        \
     }
 #endif
 INSTANCES(ONE)
@@ -269,7 +272,7 @@ INSTANCES(PIECE)
     if (when)                                                                                                \
         return ticks_##row(l, p, at, x, n);
 
-#define TICKS(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, flow, wide)                     \
+#define TICKS(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                            \
     CALLED_FROM_ANYWHERE double ticks_##name(struct ledger *l, const double *p,                              \
                                              const struct input(*at)[MODEL_INPUTS],                          \
                                              const double(*x)[MODEL_STATES], uint32_t n)                     \
@@ -277,7 +280,7 @@ INSTANCES(PIECE)
         unsigned active = l->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return TICKS_OF(name, states, n_inputs, flow, wide);                                                 \
+        return TICKS_OF(name, states, n_inputs, __VA_ARGS__);                                                \
     }
 INSTANCES(TICKS)
 

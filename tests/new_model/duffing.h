@@ -35,6 +35,6 @@ static inline void duffing_flow(const double *p, const struct input *u, const do
 
 /* Its row in firmware/method/instances.h. */
 #define INSTANCES_MORE(X)                                                                                    \
-    X(duffing, m == &duffing, STAY, 2, 0, DUFFING_INPUTS, duffing_rhs, model_no_gap, duffing_flow, NULL)
+    X(duffing, m == &duffing, STAY, 2, 0, DUFFING_INPUTS, duffing_rhs, model_no_gap, duffing_flow)
 
 #endif
