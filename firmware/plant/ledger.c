@@ -216,11 +216,17 @@ static double ticks_general(struct ledger *l, const double *p, const struct inpu
 
 #if TICK_LANES > 1
 /* Ticks of a block. A last one alone is rare. */
+ALWAYS_INLINE double ticks(struct inlined m, one_function *one, struct ledger *l, const double *p,
+                           const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
+                           uint32_t n)
+{
+    if (!m.lanes)
+        return one_by_one(one, l, p, at, x, n);
+    return n == TICK_LANES ? side_by_side(m, l, p, at + 1, x[0], x[1]) : ticks_general(l, p, at, x, n);
+}
 #define TICKS_OF(name, states, n_inputs, ...)                                                                \
-    (n == TICK_LANES                                                                                         \
-         ? side_by_side((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,   \
-                        at + 1, x[0], x[1])                                                                  \
-         : ticks_general(l, p, at, x, n))
+    ticks((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, one_##name, l, p, at, \
+          x, n)
 #else
 #define TICKS_OF(name, states, n_inputs, ...) one_by_one(one_##name, l, p, at, x, n)
 #endif

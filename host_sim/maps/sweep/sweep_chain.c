@@ -28,26 +28,25 @@ struct chain {
 
 /* ---- points that do not settle ---- */
 
+/* One call, one line: another thread tells the progress. */
+static void tell_points(const struct sweep *s, int job, int n, const char *kind, const char *not_looked_for,
+                        double from, double to)
+{
+    char family[SCENE_RANGE_NAME + 32] = "";
+    if (s->family.n)
+        snprintf(family, sizeof family, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
+    fprintf(stderr, "contactplant sweep: %s: %d point%s; %s between %s = %.9g and %.9g%s\n", kind, n,
+            n > 1 ? "s" : "", not_looked_for, s->range.column, from, to, family);
+}
+
 static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
 {
-    fprintf(stderr,
-            "contactplant sweep: not settled: %d point%s; no jump looked for between %s = %.9g and %.9g", n,
-            n > 1 ? "s" : "", s->range.column, from, to);
-    if (s->family.n)
-        fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
-    fputc('\n', stderr);
+    tell_points(s, job, n, "not settled", "no jump looked for", from, to);
 }
 
 static void tell_others(const struct sweep *s, int job, int n, double from, double to)
 {
-    fprintf(
-        stderr,
-        "contactplant sweep: by chance: %d point%s; no jump of another motion looked for between %s = %.9g "
-        "and %.9g",
-        n, n > 1 ? "s" : "", s->range.column, from, to);
-    if (s->family.n)
-        fprintf(stderr, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
-    fputc('\n', stderr);
+    tell_points(s, job, n, "by chance", "no jump of another motion looked for", from, to);
 }
 
 /* Takes the next point into the gap, which `inside` points go on. True when one ends here; *ended is it. */

@@ -1,5 +1,6 @@
 /* test_html.c - a report's data against JSON written by hand; text that would end a script stays inside its
  * string. */
+#include "host_sim/cli/files.h"
 #include "host_sim/report/html.h"
 #include "tests/unit/test.h"
 
@@ -16,8 +17,11 @@ static char *data_of_report(char *page, size_t size)
     char *words[] = {sweep, word, quoted};
     struct html h;
     const double x[] = {0.0, 0.1}, y[] = {1e-300, (double)NAN}, high[] = {2.0, 3.0};
+    char why_not[FILES_REASON];
     int fd = mkstemp(path);
-    if (fd < 0 || close(fd) || html_begin(&h, path, "</script>\x01\xFF\xC3\xA4\"", "\\&", 3, words))
+    files_begin();
+    if (fd < 0 || close(fd) || !files_take("report", path, false, why_not) ||
+        html_begin(&h, path, "</script>\x01\xFF\xC3\xA4\"", "\\&", 3, words))
         return NULL;
     html_words(&h, "%d words", 2);
     html_table(&h, "t", "a,b");
@@ -75,8 +79,10 @@ TEST(html_data_as_by_hand)
 TEST(html_tells_of_a_full_disk)
 {
     struct html h;
-    char word[] = "run", *words[] = {word};
-    check_true("no folder", html_begin(&h, "/nowhere/report.html", "t", NULL, 1, words) != NULL);
+    char word[] = "run", *words[] = {word}, why[FILES_REASON];
+    files_begin();
+    check_true("no folder", !files_take("report", "/nowhere/report.html", false, why));
+    check_true("taken", files_take("report", "/dev/full", false, why));
     check_true("a device without room opens", !html_begin(&h, "/dev/full", "t", NULL, 1, words));
     check_true("its end tells", html_end(&h) != NULL);
 }

@@ -1,5 +1,6 @@
 /* test_log_report.c - a report of a log that does not know everything. It has rows without a message, values
  * beyond the bus's range and missing frames, all from messages made by hand. */
+#include "host_sim/cli/files.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/replay/log_report.h"
 #include "host_sim/scene/scene.h"
@@ -140,8 +141,11 @@ static const char *page_of(int n_rows, const struct listen_event *e, int n_event
     char path[] = "/tmp/contactplant_log_XXXXXX", *argv[] = {path};
     const struct log_tally nothing = {0};
     struct html h;
+    char why[FILES_REASON];
     int fd = mkstemp(path);
-    if (fd < 0 || close(fd) || !open_scene() || html_begin(&h, path, "t", NULL, 0, argv))
+    files_begin();
+    if (fd < 0 || close(fd) || !files_take("report", path, false, why) || !open_scene() ||
+        html_begin(&h, path, "t", NULL, 0, argv))
         return "";
     log_report_begin_in(&report, &h, scene.config.model);
     for (int i = 0; i < n_rows; i++) {
