@@ -27,8 +27,8 @@
 #define INSTANCES_MORE(X)
 #endif
 
-#define NOBODY false
-#define FLOW_AND_LANES(flow, lanes, ...) flow, lanes /* of (columns from flow on, NULL, NULL) */
+#define NOBODY                           false
+#define FLOW_AND_LANES(flow, lanes, ...) flow, lanes /* takes the columns from flow on, NULL, NULL */
 #define STAY
 #if TICK_LANES > 1
 #define FLOW_LANES(flow) flow##_lanes
