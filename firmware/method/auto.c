@@ -206,7 +206,8 @@ static step_function *bind(const struct model *m)
 
 static const struct method_books *books(const double *scratch)
 {
-    return modal.books(&scratch[METHOD_AUTO_SCRATCH]);
+    const struct method *now = auto_now(scratch);
+    return now->books ? now->books(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
 }
 
 const struct method auto_method = {

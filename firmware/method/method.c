@@ -4,7 +4,7 @@
 #include "models/text.h"
 
 const struct method *const method_table[METHODS] = {&rk4,         &taylor,        &exact, &auto_method,
-                                                    &rk4_float32, &rk4_unlocated, &modal};
+                                                    &rk4_float32, &rk4_unlocated, &modal, &adams};
 
 const struct method *method_find(const char *name)
 {

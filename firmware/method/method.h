@@ -55,6 +55,8 @@ struct segment {
 
 /* Value and rate of a wave at model time s from its start. */
 void wave_at(const struct wave *w, double s, struct input *u);
+/* The rate of its rate there, where the input is u. */
+double wave_acceleration(const struct wave *w, double s, const struct input *u);
 
 /* `head` becomes the part of the segment up to `length`. */
 void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head);
@@ -171,8 +173,8 @@ struct method {
     step_function *(*bind)(const struct model *m);
     /* NULL, or the same for several ticks; it may give NULL, too: then they are single steps. */
     run_function *(*bind_run)(const struct model *m);
-    /* NULL, or the books of the last step, of a model with a modal_form; the ledger takes them as they
-     * are. */
+    /* NULL, or the books of the last step, or of each tick of the last run; the ledger takes them as they
+     * are. It may give NULL, too, after `prepare`: then the ledger has its own rule. */
     const struct method_books *(*books)(const double *scratch);
 };
 
@@ -180,7 +182,11 @@ struct method {
  * bounce is not resolved, and each one makes or loses energy. */
 #define RK4_ANGLE_MAX 0.2
 
+/* The step guard of adams: above it the predictor loses its order. */
+#define ADAMS_ANGLE_MAX 0.3
+
 extern const struct method rk4;
+extern const struct method adams;
 extern const struct method rk4_float32;
 extern const struct method rk4_unlocated;
 extern const struct method taylor;
@@ -196,7 +202,7 @@ const struct method *auto_choice(const struct model *m, const double *p, double 
 /* The method that auto_method runs now, read from its scratch memory. */
 const struct method *auto_now(const double *scratch);
 
-enum { METHODS = 7 };
+enum { METHODS = 8 };
 extern const struct method *const method_table[METHODS];
 
 /* NULL when there is no method of this name. */

@@ -97,22 +97,9 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 
 /* ---- one tick ---- */
 
-/* The second derivative of the oscillating part of a wave at s, where the input is `u`. */
-static double acceleration(const struct wave *w, double s, const struct input *u)
-{
-    double ramp = 0.0, c, d;
-    if (w->omega == 0.0)
-        return 0.0;
-    if (w->growth != 0.0) {
-        cos_sin(w->omega * s, &c, &d);
-        ramp = 2.0 * w->growth * (w->sine * c + w->cosine * d);
-    }
-    return -w->omega * (w->omega * ((u->value - w->offset) - w->slope * s) + ramp);
-}
-
 NEVER_INLINE double kick_of_base(const struct segment *e, int which, int base)
 {
-    return 0.5 * e->length * acceleration(&e->wave[base], which ? e->length : 0.0, &e->at[which][base]);
+    return 0.5 * e->length * wave_acceleration(&e->wave[base], which ? e->length : 0.0, &e->at[which][base]);
 }
 
 ALWAYS_INLINE void kick_by_base(const struct modal *s, const struct segment *e, int which, struct tick *t,

@@ -49,15 +49,64 @@ static double cubic_zero(const struct cubic *q, double lo, double hi)
     return hi;
 }
 
+/* Where a cubic that begins below zero has got there first, in (0, 1]; -1 when it does not. */
+static double cubic_beyond(const struct cubic *q)
+{
+    double peak = cubic_peak(q);
+    if (peak > 0.0 && cubic_at(q, peak) >= 0.0)
+        return peak;
+    return cubic_at(q, 1.0) >= 0.0 ? 1.0 : -1.0;
+}
+
 double switch_guess(const struct input *g0, const struct input *g1, double length, bool closed)
 {
     struct cubic q = cubic_of(g0, g1, length, closed ? 1.0 : -1.0);
-    double peak = cubic_peak(&q);
-    if (peak > 0.0 && cubic_at(&q, peak) >= 0.0)
-        return length * cubic_zero(&q, 0.0, peak);
-    if (cubic_at(&q, 1.0) >= 0.0)
-        return length * cubic_zero(&q, 0.0, 1.0);
-    return -1.0;
+    double beyond = cubic_beyond(&q);
+    return beyond > 0.0 ? length * cubic_zero(&q, 0.0, beyond) : -1.0;
+}
+
+/* As cubic_zero, to rounding, by Newton from the secant inside the bracket: a quarter of the work. A cubic
+ * that begins at zero goes below it first: from the other end. */
+static double cubic_root(const struct cubic *q, double lo, double hi)
+{
+    double begin = cubic_at(q, lo), t = hi;
+    if (begin < 0.0)
+        t = lo + (hi - lo) * (begin / (begin - cubic_at(q, hi)));
+    for (int i = 0; i < SWITCH_ITERATIONS; i++) {
+        double value = cubic_at(q, t), last = t;
+        if (value < 0.0)
+            lo = t;
+        else
+            hi = t;
+        t -= value / (q->b + t * (2.0 * q->c + 3.0 * t * q->d));
+        if (!(t > lo && t < hi))
+            t = 0.5 * (lo + hi);
+        if (fabs(t - last) <= 1e-10)
+            break;
+    }
+    return t;
+}
+
+double switch_instant(const struct input *g0, const struct input *g1, double length, bool closed)
+{
+    struct cubic q = cubic_of(g0, g1, length, closed ? 1.0 : -1.0);
+    double beyond = cubic_beyond(&q);
+    return beyond > 0.0 ? length * cubic_root(&q, 0.0, beyond) : -1.0;
+}
+
+double switch_highest(const struct input *g0, const struct input *g1, double length)
+{
+    struct cubic q = cubic_of(g0, g1, length, 1.0);
+    double ends = g0->value > g1->value ? g0->value : g1->value, peak = cubic_peak(&q);
+    double most = peak > 0.0 ? cubic_at(&q, peak) : ends;
+    return most > ends ? most : ends;
+}
+
+double switch_rate(const struct input *g0, const struct input *g1, double length, double s)
+{
+    struct cubic q = cubic_of(g0, g1, length, 1.0);
+    double t = s / length;
+    return (q.b + t * (2.0 * q.c + 3.0 * t * q.d)) / length;
 }
 
 /* A switch being sharpened: the old regime holds at lo, the new one at hi. */

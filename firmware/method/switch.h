@@ -36,6 +36,14 @@ static inline bool switch_suspected(const struct input *g0, const struct input *
  * the other sign. Negative when a suspected dip does not reach zero. */
 double switch_guess(const struct input *g0, const struct input *g1, double length, bool closed);
 
+/* As switch_guess, but to rounding: for a method that takes the cubic for the motion. */
+double switch_instant(const struct input *g0, const struct input *g1, double length, bool closed);
+
+/* The largest value of the Hermite cubic of a gap that turns from rising to falling, and the rate of that of
+ * any gap at model time s from its begin. */
+double switch_highest(const struct input *g0, const struct input *g1, double length);
+double switch_rate(const struct input *g0, const struct input *g1, double length, double s);
+
 /* The plain step of a method: x1 becomes the state at the end of e, without a stop at switches. Its forces
  * must be valid in every regime. */
 struct switch_stepper {

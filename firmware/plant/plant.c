@@ -539,6 +539,14 @@ ALWAYS_INLINE struct ticks ticks_after(struct ticks t, uint32_t n)
     return (struct ticks){t.x + n, t.at + 2 * n, t.phasor + n};
 }
 
+/* The method's books of n ticks that it has run. */
+ALWAYS_INLINE void take_books(struct plant *pl, uint32_t n)
+{
+    const struct method_books *b = pl->method->books(pl->scratch);
+    for (uint32_t k = 0; k < n; k++)
+        rise_to(&pl->peak_force, ledger_take(&pl->ledger, &b[k]));
+}
+
 /* `asked` ticks, at most BLOCK_TOGETHER; returns those that are good to their ends. */
 ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct ticks t, uint32_t asked)
 {
@@ -555,6 +563,8 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
     }
     done = pl->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
+    if (pl->books == BOOKS_OF_METHOD)
+        take_books(pl, done);
     while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
         done++;
     return done;

@@ -64,6 +64,8 @@ static const char *prepare(struct plant *pl, const double *si)
     pl->h = d.h;
     pl->ticks_per_time = 1.0 / d.h;
     pl->method->prepare(pl->model, d.p, d.h, pl->tol, pl->scratch);
+    if (pl->books != BOOKS_NONE)
+        pl->books = pl->method->books && pl->method->books(pl->scratch) ? BOOKS_OF_METHOD : BOOKS_OF_LEDGER;
     return NULL;
 }
 
@@ -72,9 +74,6 @@ static void bind(struct plant *pl)
 {
     pl->step = pl->method->bind(pl->model);
     pl->run = pl->method->bind_run ? pl->method->bind_run(pl->model) : NULL;
-    if (pl->books != BOOKS_NONE)
-        pl->books = pl->method->books && (pl->model->modal_form || !pl->model->rhs) ? BOOKS_OF_METHOD
-                                                                                    : BOOKS_OF_LEDGER;
 }
 
 const char *plant_init(struct plant *pl, const struct plant_config *c)

@@ -27,6 +27,18 @@ void wave_at(const struct wave *w, double s, struct input *u)
     input_at(w, s, cosine, sine, u);
 }
 
+double wave_acceleration(const struct wave *w, double s, const struct input *u)
+{
+    double ramp = 0.0, c, d;
+    if (w->omega == 0.0)
+        return 0.0;
+    if (w->growth != 0.0) {
+        cos_sin(w->omega * s, &c, &d);
+        ramp = 2.0 * w->growth * (w->sine * c + w->cosine * d);
+    }
+    return -w->omega * (w->omega * ((u->value - w->offset) - w->slope * s) + ramp);
+}
+
 void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head)
 {
     *head = *e;

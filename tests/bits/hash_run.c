@@ -36,6 +36,7 @@ static const struct {
     {"auto:taylor:rk4", &auto_method, FINE, 0.00304, HASH_BLOCKS},
     {"exact:far", &exact, FAR, 0.0, HASH_COARSE_BLOCKS},
     {"modal", &modal, FINE, 0.0, HASH_BLOCKS},
+    {"adams", &adams, FINE, 0.0, HASH_BLOCKS},
 };
 
 /* Reduced models stay where they are valid, or they leave the finite numbers. */

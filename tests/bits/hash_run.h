@@ -13,7 +13,7 @@
 /* A block is HASH_TICKS ticks; so many of each trajectory
  * are in tests/data/hash.txt, fewer where ticks are coarse. */
 enum { HASH_BLOCKS = 100, HASH_COARSE_BLOCKS = 20, HASH_TICKS = 1000 };
-enum { HASH_VARIANTS = 10, HASH_RUNS = MODELS * HASH_VARIANTS };
+enum { HASH_VARIANTS = 11, HASH_RUNS = MODELS * HASH_VARIANTS };
 
 /* Trajectory i. */
 struct hash_case {

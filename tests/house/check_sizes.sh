@@ -19,7 +19,7 @@ text() { # bytes of machine code of these objects
 objects() { # the objects of the core whose names match, or with -v do not match
     find "$build"/models "$build"/firmware -name '*.o' ! -path '*/firmware/*-*/*' | sort | grep "$@"
 }
-methods='firmware/method/(taylor/|exact/|float32/|auto|modal|rk4_unlocated)[a-z_0-9]*\.o'
+methods='firmware/method/(taylor/|exact/|float32/|adams/|auto|modal|rk4_unlocated)[a-z_0-9]*\.o'
 selftest='firmware/app/selftest\.o'
 scenes='(models/scenes/|firmware/app/plant_scene)[a-z_]*\.o' # an image that names no scene leaves them out
 station='firmware/afm/' # an image that names no microscope leaves it out

@@ -12,12 +12,12 @@ import sys
 
 # By the caller, FILE:FUNCTION, the first that fits: files, and functions in them, that it may call through a pointer.
 MODELS = (r"models/.*", r".*")
-STEP, REFUSE, SET_UP = r"step.*", r"(exact_)?refuse", r"(refuse|prepare|bind|n_scratch|exact_\w+)(\..*)?"
-KINDS = r"firmware/method/(rk4|float32/rk4_float32|rk4_unlocated|taylor/taylor|exact/exact|exact/exact_tables)\.c"
+STEP, REFUSE, SET_UP = r"step.*|run_any|books", r"(exact_)?refuse", r"(refuse|prepare|bind|n_scratch|exact_\w+)(\..*)?"
+KINDS = r"firmware/method/(rk4|float32/rk4_float32|rk4_unlocated|taylor/taylor|exact/exact|exact/exact_tables|adams/adams)\.c"
 INDIRECT = [
     (r"firmware/method/switch\.c:.*", [(r"firmware/method/(float32/)?rk4\w*\.c", r"advance_general|run_through"), MODELS]),
     (r"firmware/method/rk4_unlocated\.c:.*", [(r"firmware/method/rk4\.c", r"step.*|refuse|bind"), MODELS]),
-    (r"firmware/method/(float32/|taylor/|exact/)?(rk4|taylor|exact)\w*\.c:.*", [MODELS]),
+    (r"firmware/method/(float32/|taylor/|exact/|adams/)?(rk4|taylor|exact|adams)\w*\.c:.*", [MODELS]),
     (r"firmware/method/auto\.c:step.*", [(KINDS, STEP)]),
     (r"firmware/method/auto\.c:(choose|refuse).*", [(KINDS, REFUSE), MODELS]),
     (r"firmware/method/auto\.c:.*", [(KINDS, SET_UP), MODELS]),

@@ -1,0 +1,443 @@
+/* adams.c - Adams' predictor and corrector with one force a tick, for errors of 1e-3.
+ *
+ * The motion is eta'' = u(t) + g(eta, eta') of a model's hertz_form. The inputs' part u is integrated in
+ * closed form (adams_wave.c), so a jump or a ramp of a force spoils nothing. Only g is extrapolated. A cubic
+ * through the last four g predicts the end of a tick; a quartic that has g there, too, corrects it (Adams,
+ * Bashforth, Moulton; Stormer for the place). g is not computed again. The order is 5 in smooth motion. A
+ * step goes straight through a contact switch, and across it the order is 2 to 2.5. A tick costs one square
+ * root.
+ *
+ * The first four g come from steps of a Runge-Kutta method of order 4. They are needed after a state that was
+ * set, a change of parameters, and a part of a tick. An input that stands in g (a moving base, a modulated
+ * stiffness) needs one whenever it changes.
+ *
+ * A switch is found in the Hermite cubic of a tick, and told at its instant. The rest of the tick is kept:
+ * the next call gives it out. Energies are booked by adams_books.h. Peak forces are of the cubic, where the
+ * compression turns. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include "firmware/method/adams/adams.h"
+#include "firmware/method/adams/adams_books.h"
+#include "firmware/method/switch.h"
+#include "models/check.h"
+
+STATIC_ASSERT(sizeof(struct adams) <= METHOD_SCRATCH * sizeof(double), adams_fits);
+
+/* ---- set-up ---- */
+
+static size_t n_scratch(const struct model *m)
+{
+    return m->hertz_form ? (sizeof(struct adams) + sizeof(double) - 1) / sizeof(double) : 0;
+}
+
+static const char *refuse(const struct model *m, const double *p, double h, double tol)
+{
+    (void)tol;
+    if (!m->hertz_form)
+        return "adams is for a model with one Hertzian contact (hertz_rig, rolling_contact, afm_tip); take "
+               "auto";
+    if (!(h * m->eigenfrequency(p) <= ADAMS_ANGLE_MAX))
+        return "step too coarse for adams: eigenfrequency * step is above 0.3 rad (more substeps, or a "
+               "slower "
+               "rig)";
+    return NULL;
+}
+
+/* Weights of equal steps, in units of h^2 for the place and of h for the rate: the integrals of 1 - s and of
+ * 1 over 0 <= s <= 1 times the cubics that are 1 at one of 0, -1, -2, -3. The corrector's quartic is the
+ * cubic and a multiple of the quartic that is 0 at these and 1 at 1. */
+static const double predict[ADAMS_NODES][2] = {{323.0 / 360.0, 55.0 / 24.0},
+                                               {-264.0 / 360.0, -59.0 / 24.0},
+                                               {159.0 / 360.0, 37.0 / 24.0},
+                                               {-38.0 / 360.0, -9.0 / 24.0}};
+static const double correct[2] = {135.0 / 1440.0, 251.0 / 720.0};
+
+/* The weights for steps of h. `without` lacks the share of the newest g, which the weight of that g brings
+ * along. So place and rate at the end of a tick do not stand between one g and the next. */
+static void weigh(struct adams *s, double h)
+{
+    const adams_pair unit = {h * h, h};
+    for (int j = 0; j < ADAMS_NODES; j++)
+        s->predict[j] = unit * (adams_pair){predict[j][0], predict[j][1]};
+    s->correct = unit * (adams_pair){correct[0], correct[1]};
+    s->predict[0] += s->correct + (adams_pair){h * s->correct[ADAMS_RATE], 0.0};
+}
+
+static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
+{
+    struct adams *s = (struct adams *)(void *)scratch;
+    const struct input silent[MODEL_INPUTS] = {{0.0, 0.0}};
+    double x[MODEL_STATES] = {0.0};
+    struct flow flow;
+    (void)tol;
+    memset(s, 0, sizeof *s);
+    m->hertz_form(p, &s->form);
+    s->h = h;
+    weigh(s, h);
+    s->rule = rule_of(h);
+    adams_prepare_series(s);
+    for (int i = 0; i < m->n_inputs; i++) {
+        s->modulating |= (s->form.modulation[i] != 0.0 ? 1u : 0u) << i;
+        s->shifting |= (s->form.shift[i] != 0.0 || s->form.drag[i] != 0.0 ? 1u : 0u) << i;
+    }
+    x[0] = s->form.side * (1.0 - s->form.origin);
+    m->flow(p, silent, x, &flow);
+    s->force_unit = s->form.hertz != 0.0 ? flow.force / s->form.hertz : 0.0;
+}
+
+/* ---- forces ---- */
+
+static double positive(double x)
+{
+    return x > 0.0 ? x : 0.0;
+}
+
+/* 1 and the modulation of the contact. */
+static double stiffness_at(const struct adams *s, const struct input *u)
+{
+    double sum = 1.0;
+    for (int k = 0; k < s->n_on; k++)
+        sum += s->form.modulation[s->on[k]] * u[s->on[k]].value;
+    return sum;
+}
+
+/* g, of which *contact is the contact's part. */
+ALWAYS_INLINE double force_at(const struct adams *s, double stiffness, double place, double rate,
+                              double *contact)
+{
+    double depth = positive(place);
+    double free = -(s->form.stiffness * place) - s->form.damping * rate;
+    *contact = (stiffness * s->form.hertz * depth) * sqrt(depth);
+    return free - *contact;
+}
+
+/* ---- one tick ---- */
+
+/* Place and rate at the end of a span, but for g: from `from` on, under the push of inputs that begin at the
+ * phasors `turn`. */
+ALWAYS_INLINE adams_pair drift(const struct adams *s, const struct adams_push *push,
+                               const struct phasor *turn, double length, adams_pair from, int n_on)
+{
+    adams_pair to = (from + (adams_pair){length * from[ADAMS_RATE], 0.0}) + push->steady;
+    for (int j = 0; j < n_on; j++) {
+        const struct adams_response *r = &push->response[j];
+        const struct phasor *t = &turn[s->on[j]];
+        to += r->cosine * t->cosine + r->sine * t->sine;
+    }
+    return to;
+}
+
+/* From m to the end of a tick, but for the books; `stiffness` is that at its end. */
+ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, double stiffness, int n_on,
+                           const struct adams_motion *m, struct adams_motion *end)
+{
+    adams_pair ahead = drift(s, &s->push, turn, s->h, m->without, n_on);
+    UNROLL
+    for (int j = ADAMS_NODES - 1; j >= 0; j--)
+        ahead += s->predict[j] * m->g[j];
+    double extrapolated = (4.0 * (m->g[0] + m->g[2]) - 6.0 * m->g[1]) - m->g[3];
+    double g = force_at(s, stiffness, ahead[ADAMS_PLACE], ahead[ADAMS_RATE], &end->contact);
+    end->without = ahead - s->correct * extrapolated;
+    end->at = end->without + s->correct * g;
+    end->g[0] = g;
+    UNROLL
+    for (int j = 1; j < ADAMS_NODES; j++)
+        end->g[j] = m->g[j - 1];
+}
+
+/* The state that belongs to eta and its rate where the inputs are u. */
+ALWAYS_INLINE void state_of(const struct adams *s, const struct input *u, adams_pair at, enum adams_kind kind,
+                            double *x)
+{
+    at -= (adams_pair){s->form.origin, 0.0};
+    for (int k = 0; kind == ADAMS_SHIFTED && k < s->n_on; k++)
+        at -= s->form.shift[s->on[k]] * (adams_pair){u[s->on[k]].value, u[s->on[k]].rate};
+    at *= s->form.side;
+    x[0] = at[ADAMS_PLACE];
+    x[1] = at[ADAMS_RATE];
+}
+
+/* The largest force from a to b, `length` later, between which the compression turns. */
+NEVER_INLINE double force_at_turn(const struct adams *s, adams_pair a, adams_pair b, double length,
+                                  double stiffness)
+{
+    const struct input g0 = {a[ADAMS_PLACE], a[ADAMS_RATE]}, g1 = {b[ADAMS_PLACE], b[ADAMS_RATE]};
+    double depth = positive(switch_highest(&g0, &g1, length));
+    return fabs(s->force_unit * (stiffness * s->form.hertz)) * depth * sqrt(depth);
+}
+
+/* The largest force behind `a` and up to `b`: at the end, where the contact's is `contact`, or in between. */
+ALWAYS_INLINE double peak_force(const struct adams *s, adams_pair a, adams_pair b, double length,
+                                double stiffness, double contact)
+{
+    double end = fabs(s->force_unit * contact);
+    if (!(a[ADAMS_RATE] > 0.0 && b[ADAMS_RATE] < 0.0))
+        return end;
+    double turn = force_at_turn(s, a, b, length, stiffness);
+    return turn > end ? turn : end;
+}
+
+/* A contact switches from a to b, or may have dipped in between. */
+static bool suspected(adams_pair a, adams_pair b, double length, unsigned regime)
+{
+    const struct input g0 = {-a[ADAMS_PLACE], -a[ADAMS_RATE]}, g1 = {-b[ADAMS_PLACE], -b[ADAMS_RATE]};
+    return switch_suspected(&g0, &g1, length, regime & 1u);
+}
+
+ALWAYS_INLINE bool inside(adams_pair at, double limit)
+{
+    return fabs(at[0]) + fabs(at[1]) <= limit;
+}
+
+/* ---- the past ---- */
+
+static void find_place(struct adams *s, const struct input *u, const double *x)
+{
+    s->m.at = s->form.side * (adams_pair){x[0], x[1]} + (adams_pair){s->form.origin, 0.0};
+    for (int k = 0; k < s->n_on; k++)
+        s->m.at += s->form.shift[s->on[k]] * (adams_pair){u[s->on[k]].value, u[s->on[k]].rate};
+}
+
+/* g of where the motion stands becomes the newest. */
+static void note_force(struct adams *s, const struct input *u)
+{
+    struct adams_motion *m = &s->m;
+    for (int j = ADAMS_NODES - 1; j > 0; j--)
+        m->g[j] = m->g[j - 1];
+    m->g[0] = force_at(s, stiffness_at(s, u), m->at[ADAMS_PLACE], m->at[ADAMS_RATE], &m->contact);
+    m->without = m->at - s->correct * m->g[0];
+    s->known += s->known < ADAMS_NODES ? 1 : 0;
+}
+
+static bool stands(const struct adams *s, const double *x)
+{
+    return x[0] == s->x[0] && x[1] == s->x[1];
+}
+
+/* The segment goes on from the past, or begins without one. */
+NEVER_INLINE void follow(struct adams *s, const struct segment *e, const double *x)
+{
+    unsigned were = s->active;
+    adams_take_waves(s, e);
+    if (s->known == 0 || !stands(s, x) || ((were | e->active) & (s->modulating | s->shifting)) != 0) {
+        find_place(s, e->at[0], x);
+        s->known = 0;
+        note_force(s, e->at[0]);
+    }
+    book_begin(s, e->length, e->at[0], &s->m);
+}
+
+static void phasors_of(const struct adams *s, const struct segment *e, struct phasor *turn)
+{
+    for (int k = 0; k < s->n_on; k++)
+        turn[s->on[k]] = (struct phasor){e->wave[s->on[k]].cosine, e->wave[s->on[k]].sine};
+}
+
+/* By the classical Runge-Kutta method of order 4 on what the inputs leave to g, for the next g. */
+NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
+{
+    double h = e->length, half = 0.5 * h, stiffness = stiffness_at(s, e->at[1]);
+    struct adams_push push;
+    struct phasor turn[MODEL_INPUTS];
+    phasors_of(s, e, turn);
+    adams_push_for(s, half, &push);
+    adams_pair middle = drift(s, &push, turn, half, s->m.at, s->n_on);
+    adams_push_for(s, h, &push);
+    adams_pair end = drift(s, &push, turn, h, s->m.at, s->n_on);
+    double k1 = s->m.g[0], contact;
+    double k2 = force_at(s, stiffness, middle[0], middle[1] + half * k1, &contact);
+    double k3 = force_at(s, stiffness, middle[0] + half * half * k1, middle[1] + half * k2, &contact);
+    double k4 = force_at(s, stiffness_at(s, e->at[2]), end[0] + half * h * k2, end[1] + h * k3, &contact);
+    double sixth = h * (1.0 / 6.0);
+    s->m.at = end + (adams_pair){h * sixth * (k1 + (k2 + k3)), sixth * ((k1 + k4) + 2.0 * (k2 + k3))};
+    note_force(s, e->at[2]);
+}
+
+/* ---- the step ---- */
+
+/* ---- the step ---- */
+
+/* One tick, or a part of one, which leaves no past: s->m and the books go to its end, and x too. */
+static void take(struct adams *s, const struct segment *e, double *x)
+{
+    struct phasor turn[MODEL_INPUTS];
+    if (e->changed || s->known == 0 || e->active != s->active || !stands(s, x))
+        follow(s, e, x);
+    const struct adams_motion begin = s->m;
+    s->from = begin.at;
+    s->from_contact = begin.contact;
+    if (s->known == ADAMS_NODES && e->length == s->h) {
+        phasors_of(s, e, turn);
+        advance(s, turn, stiffness_at(s, e->at[2]), s->n_on, &begin, &s->m);
+    } else {
+        step_alone(s, e);
+    }
+    if (e->length != s->h)
+        s->known = 0;
+    memset(s->books, 0, sizeof s->books);
+    const struct adams_rule rule = rule_of(e->length);
+    book_end(s, &rule, e->length, e->at[2], s->kind, s->n_on, &begin.begun, &s->m, &s->books[0]);
+    state_of(s, e->at[2], s->m.at, s->kind, x);
+}
+
+/* s->m is beyond a switch: x becomes the state there, and the rest of the tick waits for the next call. */
+static void stop_at(struct adams *s, const struct segment *e, double done, adams_pair at, double *x)
+{
+    struct input u[MODEL_INPUTS];
+    for (int k = 0; s->kind == ADAMS_SHIFTED && k < s->n_on; k++)
+        wave_at(&e->wave[s->on[k]], done, &u[s->on[k]]);
+    s->end[0] = x[0];
+    s->end[1] = x[1];
+    state_of(s, u, at, s->kind, x);
+    s->left = e->length - done;
+    s->kept = s->books[0];
+    memset(s->books, 0, sizeof s->books);
+}
+
+/* The motion from s->from to the end of e: to a switch in it, or to its end. The energies of a tick are
+ * booked at its end. */
+static enum step_status tell(struct adams *s, const struct segment *e, unsigned regime, double *x,
+                             struct crossing *c)
+{
+    adams_pair a = s->from, to = s->m.at;
+    double length = e->length, done = -1.0, contact = s->m.contact;
+    const struct input g0 = {-a[ADAMS_PLACE], -a[ADAMS_RATE]}, g1 = {-to[ADAMS_PLACE], -to[ADAMS_RATE]};
+    if (!(regime & REGIME_ANY) && switch_suspected(&g0, &g1, length, regime & 1u))
+        done = switch_instant(&g0, &g1, length, regime & 1u);
+    s->left = 0.0;
+    if (done >= 0.0) {
+        *c = (struct crossing){done, 0, 0, 0.0};
+        if (done < length) {
+            to = (adams_pair){0.0, -switch_rate(&g0, &g1, length, done)};
+            stop_at(s, e, done, to, x);
+        }
+        length = done;
+        contact = 0.0;
+    }
+    double begin = fabs(s->force_unit * s->from_contact);
+    double most = peak_force(s, a, to, length, stiffness_at(s, e->at[2]), contact);
+    s->books[0].force = begin > most ? begin : most;
+    s->from_contact = contact;
+    s->from = to;
+    memcpy(s->x, x, sizeof s->x);
+    return done >= 0.0 ? STEP_SWITCH : STEP_END;
+}
+
+static enum step_status step(const struct model *m, const double *p, double *scratch, const struct segment *e,
+                             unsigned regime, double *x, struct crossing *c)
+{
+    struct adams *s = (struct adams *)(void *)scratch;
+    (void)m, (void)p;
+    if (e->length == 0.0) { /* behind a switch at the end */
+        memset(s->books, 0, sizeof s->books);
+        return STEP_END;
+    }
+    if (s->left > 0.0 && e->length == s->left && stands(s, x)) {
+        memcpy(x, s->end, sizeof s->end);
+        s->books[0] = s->kept;
+    } else {
+        take(s, e, x);
+        if (!inside(s->m.at, DBL_MAX))
+            return STEP_NOT_FINITE;
+    }
+    return tell(s, e, regime, x, c);
+}
+
+static step_function *bind(const struct model *m)
+{
+    (void)m;
+    return step;
+}
+
+/* ---- quiet ticks ---- */
+
+/* The next tick goes on as the last one did. */
+static bool goes_on(const struct adams *s, const struct method_block *b, const double *x)
+{
+    return s->known == ADAMS_NODES && s->left == 0.0 && stands(s, x) && b->length == s->h &&
+           b->active == s->active;
+}
+
+/* Nothing but a plain tick has happened: the contact stays on its side, and the rate of eta keeps its sign.
+ */
+ALWAYS_INLINE bool is_plain(adams_pair a, adams_pair b, double side)
+{
+    return side * b[ADAMS_PLACE] > 0.0 && a[ADAMS_RATE] * b[ADAMS_RATE] > 0.0 &&
+           inside(b, METHOD_STATE_LIMIT);
+}
+
+ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
+                           const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n,
+                           enum adams_kind kind, int n_on)
+{
+    const struct phasor(*turn)[MODEL_INPUTS] = &b->phasor[(at - b->at) / 2];
+    const double side = b->regime & 1u ? 1.0 : -1.0, h = s->h;
+    struct adams_motion now = s->m;
+    uint32_t k = 0;
+    for (; k < n; k++) {
+        struct adams_motion next = {.contact = 0.0};
+        struct method_books *books = &s->books[k];
+        const struct input *end = at[2 * k + 2];
+        double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_at(s, end);
+        advance(s, turn[k], stiffness, n_on, &now, &next);
+        books->force = fabs(s->force_unit * next.contact);
+        if (!is_plain(now.at, next.at, side)) {
+            if (!inside(next.at, METHOD_STATE_LIMIT) || suspected(now.at, next.at, h, b->regime))
+                break;
+            books->force = peak_force(s, now.at, next.at, h, stiffness, next.contact);
+        }
+        book_end(s, &s->rule, h, end, kind, n_on, &now.begun, &next, books);
+        state_of(s, end, next.at, kind, x[k + 1]);
+        now = next;
+    }
+    s->m = now;
+    s->x[0] = x[k][0];
+    s->x[1] = x[k][1];
+    return k;
+}
+
+static uint32_t run_any(const struct model *m, const double *p, double *scratch, const struct method_block *b,
+                        const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
+{
+    struct adams *s = (struct adams *)(void *)scratch;
+    (void)m, (void)p;
+    if (!goes_on(s, b, x[0]))
+        return 0;
+    if (s->kind == ADAMS_SHIFTED)
+        return run(s, b, at, x, n, ADAMS_SHIFTED, s->n_on);
+    if (s->kind == ADAMS_MODULATED)
+        return run(s, b, at, x, n, ADAMS_MODULATED, s->n_on);
+    switch (s->n_on) {
+    case 1:
+        return run(s, b, at, x, n, ADAMS_FORCED, 1);
+    case 2:
+        return run(s, b, at, x, n, ADAMS_FORCED, 2);
+    default:
+        return run(s, b, at, x, n, ADAMS_FORCED, s->n_on);
+    }
+}
+
+static run_function *bind_run(const struct model *m)
+{
+    (void)m;
+    return run_any;
+}
+
+static const struct method_books *books(const double *scratch)
+{
+    return ((const struct adams *)(const void *)scratch)->books;
+}
+
+const struct method adams = {
+    .name = "adams",
+    .title = "Adams' predictor and corrector, one force a tick, drives integrated exactly; order 5, 2 to 2.5 "
+             "across switches",
+    .order = 5,
+    .n_scratch = n_scratch,
+    .refuse = refuse,
+    .prepare = prepare,
+    .bind = bind,
+    .bind_run = bind_run,
+    .books = books,
+};

@@ -1,0 +1,86 @@
+/* adams.h - scratch memory of `adams`, and the inputs' share in a tick (adams_wave.c). */
+#ifndef FIRMWARE_METHOD_ADAMS_H
+#define FIRMWARE_METHOD_ADAMS_H
+
+#include "firmware/method/method.h"
+
+enum {
+    ADAMS_NODES = 4, /* forces that the predictor looks back on */
+    ADAMS_TERMS = 28 /* a wave's integrals as power series: 1e-16 at half a turn */
+};
+
+/* Two numbers side by side, of the compression eta and of its rate: one operation where the target has such
+ * registers, two where it has not, with the same bits. */
+typedef double adams_pair __attribute__((vector_size(16), aligned(8)));
+enum { ADAMS_PLACE, ADAMS_RATE };
+
+/* A wave's share of place and rate in a span: times the cosine and the sine of its phase at the begin. */
+struct adams_response {
+    adams_pair cosine, sine;
+};
+
+/* The inputs' share in a span: the turning part of each active input in turn, and all that stands. */
+struct adams_push {
+    adams_pair steady;
+    struct adams_response response[MODEL_INPUTS];
+};
+
+/* The part of a tick's energies that belongs to one of its ends (adams_books.h); work of each active input
+ * in turn. */
+struct adams_half {
+    double work[MODEL_INPUTS], damping;
+};
+
+/* The rule's weights of a power and of its rate. */
+struct adams_rule {
+    double half, twelfth;
+};
+
+/* The motion at the end of a tick. g is the force of contact, spring and damper, by mass. */
+struct adams_motion {
+    adams_pair at;
+    adams_pair without;      /* without the share of the newest g */
+    double g[ADAMS_NODES];   /* the newest first */
+    double contact;          /* the contact's part of the newest */
+    struct adams_half begun; /* for the tick that begins here */
+};
+
+/* How the inputs enter the motion. A force only adds to it; the others make g a function of time, too. */
+enum adams_kind { ADAMS_FORCED, ADAMS_MODULATED, ADAMS_SHIFTED };
+
+struct adams {
+    struct hertz_form form;
+    double h, force_unit;                     /* the unit: of force, over one of the contact's part of g */
+    unsigned modulating, shifting;            /* bit i: so does input i */
+    adams_pair predict[ADAMS_NODES], correct; /* weights: of g, the newest first; of what g is beside its
+                                               * extrapolation */
+    struct adams_rule rule;                   /* for a whole tick */
+    double series[ADAMS_TERMS];
+    /* the inputs */
+    unsigned active;
+    enum adams_kind kind;
+    int n_on, on[MODEL_INPUTS]; /* the active ones */
+    struct wave wave[MODEL_INPUTS];
+    struct adams_push push; /* in a whole tick */
+    /* the past */
+    int known; /* how many g are; 0: nothing is */
+    struct adams_motion m;
+    adams_pair from;     /* where the span begins that is told next, */
+    double from_contact; /* and the contact's force there */
+    double x[2];         /* as last returned */
+    /* a tick that was cut at a switch: how much of it is left, its end, its energies */
+    double left, end[2];
+    struct method_books kept;
+    struct method_books books[BLOCK_TOGETHER];
+};
+
+/* The series of the functions below, once for all. */
+void adams_prepare_series(struct adams *s);
+
+/* The active inputs, their waves and their push in a tick. A wave that only turns on keeps its response. */
+void adams_take_waves(struct adams *s, const struct segment *e);
+
+/* Their push in a span of any length that begins with the segment. */
+void adams_push_for(const struct adams *s, double length, struct adams_push *push);
+
+#endif

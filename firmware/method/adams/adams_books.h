@@ -1,0 +1,160 @@
+/* adams_books.h - the energies of a tick of `adams`.
+ *
+ * The trapezoid rule with end terms, of order 4: a power P moves h/2 P + h^2/12 P' of the begin of a tick,
+ * and h/2 P - h^2/12 P' of its end. The rates of the powers need no force but g, which is there. */
+#ifndef FIRMWARE_METHOD_ADAMS_BOOKS_H
+#define FIRMWARE_METHOD_ADAMS_BOOKS_H
+
+#include <math.h>
+#include "firmware/method/adams/adams.h"
+#include "models/check.h"
+
+/* Powers, of each active input in turn, and their rates. */
+struct powers {
+    double work[MODEL_INPUTS], work_rate[MODEL_INPUTS], damping, damping_rate;
+};
+
+/* An end of a tick. */
+struct end {
+    const struct input *u;
+    double place, rate, change; /* eta, its rate, and the rate of that */
+    double contact, steepness;  /* hertz eta^1.5, and its derivative */
+};
+
+ALWAYS_INLINE void book_force(const struct adams *s, int k, const struct end *e, double rate, double change,
+                              struct powers *q)
+{
+    int i = s->on[k];
+    double force = s->form.force[i];
+    q->work[k] = force * (e->u[i].value * rate);
+    q->work_rate[k] = force * (e->u[i].rate * rate + e->u[i].value * change);
+}
+
+/* The contact is stiffer by a part than the stored energy says. */
+ALWAYS_INLINE void book_modulation(const struct adams *s, int k, const struct end *e, struct powers *q)
+{
+    int i = s->on[k];
+    double part = s->form.modulation[i], power = e->contact * e->rate;
+    double power_rate = e->steepness * (e->rate * e->rate) + e->contact * e->change;
+    q->work[k] -= part * (e->u[i].value * power);
+    q->work_rate[k] -= part * (e->u[i].rate * power + e->u[i].value * power_rate);
+}
+
+/* A base moves against spring and contact. `hangs` is the share of the damper that it moves against, too;
+ * the damper's force is `damper`. */
+ALWAYS_INLINE void book_shift(const struct adams *s, int k, const struct input *fast, const struct end *e,
+                              const struct input *pull, const struct input *damper, struct powers *q)
+{
+    int i = s->on[k];
+    double shift = s->form.shift[i], damping = s->form.damping;
+    double hangs = damping > 0.0 ? shift - s->form.drag[i] / damping : shift;
+    double push = shift * pull->value + hangs * damper->value;
+    double push_rate = shift * pull->rate + hangs * damper->rate;
+    q->work[k] += push * e->u[i].rate;
+    q->work_rate[k] += push_rate * e->u[i].rate + push * fast[i].rate;
+}
+
+/* All of it, where the contact is moved. */
+NEVER_INLINE void powers_shifted(const struct adams *s, double length, const struct end *e, struct powers *q)
+{
+    const struct hertz_form *f = &s->form;
+    struct input fast[MODEL_INPUTS], more = {1.0, 0.0}, body = {e->rate, e->change};
+    struct input damper = {f->damping * e->rate, f->damping * e->change};
+    for (int k = 0; k < s->n_on; k++) {
+        int i = s->on[k];
+        fast[i] = (struct input){e->u[i].rate, wave_acceleration(&s->wave[i], length, &e->u[i])};
+        more.value += f->modulation[i] * e->u[i].value;
+        more.rate += f->modulation[i] * e->u[i].rate;
+        body.value -= f->shift[i] * fast[i].value;
+        body.rate -= f->shift[i] * fast[i].rate;
+        damper.value -= f->drag[i] * fast[i].value;
+        damper.rate -= f->drag[i] * fast[i].rate;
+    }
+    const struct input pull = {f->stiffness * e->place + more.value * e->contact,
+                               f->stiffness * e->rate + more.value * (e->steepness * e->rate) +
+                                   more.rate * e->contact};
+    for (int k = 0; k < s->n_on; k++) {
+        book_force(s, k, e, body.value, body.rate, q);
+        book_modulation(s, k, e, q);
+        book_shift(s, k, fast, e, &pull, &damper, q);
+    }
+    double loss = f->damping > 0.0 ? 1.0 / f->damping : 0.0;
+    q->damping = loss * (damper.value * damper.value);
+    q->damping_rate = 2.0 * (loss * (damper.value * damper.rate));
+}
+
+ALWAYS_INLINE void powers_of(const struct adams *s, double length, const struct end *e, enum adams_kind kind,
+                             int n_on, struct powers *q)
+{
+    if (kind == ADAMS_SHIFTED) {
+        powers_shifted(s, length, e, q);
+        return;
+    }
+    for (int k = 0; k < n_on; k++) {
+        book_force(s, k, e, e->rate, e->change, q);
+        if (kind == ADAMS_MODULATED)
+            book_modulation(s, k, e, q);
+    }
+    double loss = s->form.damping * e->rate;
+    q->damping = loss * e->rate;
+    q->damping_rate = 2.0 * (loss * e->change);
+}
+
+ALWAYS_INLINE struct adams_rule rule_of(double length)
+{
+    return (struct adams_rule){0.5 * length, length * length * (1.0 / 12.0)};
+}
+
+/* Where the motion stands. Only what `kind` needs of the contact. */
+ALWAYS_INLINE struct end end_of(const struct adams *s, double length, const struct input *u,
+                                const struct adams_motion *m, enum adams_kind kind, int n_on)
+{
+    const struct hertz_form *f = &s->form;
+    struct end e = {u, m->at[ADAMS_PLACE], m->at[ADAMS_RATE], f->constant + m->g[0], 0.0, 0.0};
+    for (int k = 0; k < n_on; k++) {
+        int i = s->on[k];
+        e.change += f->force[i] * u[i].value;
+        if (kind == ADAMS_SHIFTED)
+            e.change += f->drag[i] * u[i].rate + f->shift[i] * wave_acceleration(&s->wave[i], length, &u[i]);
+    }
+    if (kind != ADAMS_FORCED) {
+        double depth = e.place > 0.0 ? e.place : 0.0, root = sqrt(depth);
+        e.contact = f->hertz * depth * root;
+        e.steepness = 1.5 * f->hertz * root;
+    }
+    return e;
+}
+
+/* The part of the tick that begins at m, whose length is `length`. */
+ALWAYS_INLINE void book_begin(const struct adams *s, double length, const struct input *u,
+                              struct adams_motion *m)
+{
+    struct powers q;
+    struct end e = end_of(s, 0.0, u, m, s->kind, s->n_on);
+    struct adams_rule r = rule_of(length);
+    powers_of(s, 0.0, &e, s->kind, s->n_on, &q);
+    for (int k = 0; k < s->n_on; k++)
+        m->begun.work[k] = r.half * q.work[k] + r.twelfth * q.work_rate[k];
+    m->begun.damping = r.half * q.damping + r.twelfth * q.damping_rate;
+}
+
+/* The books by rule r of the tick that ends at m and began with `begun`. The next one begins there and is as
+ * long. */
+ALWAYS_INLINE void book_end(const struct adams *s, const struct adams_rule *r, double length,
+                            const struct input *u, enum adams_kind kind, int n_on,
+                            const struct adams_half *begun, struct adams_motion *m, struct method_books *b)
+{
+    struct powers q;
+    struct end e = end_of(s, length, u, m, kind, n_on);
+    powers_of(s, length, &e, kind, n_on, &q);
+    for (int k = 0; k < n_on; k++) {
+        double even = r->half * q.work[k], odd = r->twelfth * q.work_rate[k];
+        b->work[s->on[k]] = begun->work[k] + (even - odd);
+        m->begun.work[k] = even + odd;
+    }
+    double even = r->half * q.damping, odd = r->twelfth * q.damping_rate;
+    b->damping = begun->damping + (even - odd);
+    m->begun.damping = even + odd;
+}
+
+#endif
