@@ -94,7 +94,7 @@ struct spread {
     double max_us;
 };
 
-struct session {
+struct run {
     const struct options *o;
     struct plants plants;
     struct scene_app *scene; /* the first plant's: the only one, unless a list was given */
@@ -163,7 +163,7 @@ static void ask_for_realtime(const struct options *o)
 
 /* ---- the loop ---- */
 
-static void print_status(struct session *s)
+static void print_status(struct run *s)
 {
     const struct app *a = &s->scene->app;
     const struct model *m = s->scene->config.model;
@@ -184,7 +184,7 @@ static void print_status(struct session *s)
             (unsigned)session_command_age(a), (unsigned long long)s->missed);
 }
 
-static void print_news(struct session *s)
+static void print_news(struct run *s)
 {
     char news[BUS_REASON];
     while (bus_news(&s->bus, news))
@@ -192,7 +192,7 @@ static void print_news(struct session *s)
 }
 
 /* How late a frame of a plant began that was waited for. */
-static void note_lateness(struct session *s, struct app *a, int64_t late_ns)
+static void note_lateness(struct run *s, struct app *a, int64_t late_ns)
 {
     spread_add(&s->lateness, late_ns);
     s->half_late += (double)late_ns * 1e-9 > 0.5 * s->period_s;
@@ -201,7 +201,7 @@ static void note_lateness(struct session *s, struct app *a, int64_t late_ns)
 }
 
 /* A frame of each plant that is due; the first one begins `late_ns` late, or below 0: was not waited for. */
-static void one_frame(struct session *s, int64_t late_ns)
+static void one_frame(struct run *s, int64_t late_ns)
 {
     int64_t begin = clock_now_ns();
     bus_set_frame(&s->bus, s->scene->app.frame, s->period_s, 0);
@@ -219,7 +219,7 @@ static void one_frame(struct session *s, int64_t late_ns)
 
 /* One frame: that of the period which begins at `next_ns`, or, where some are due, one of those; and then the
  * periods that have begun meanwhile are missed ones, too. Returns the periods gone by. */
-static uint64_t turn(struct session *s, int64_t next_ns)
+static uint64_t turn(struct run *s, int64_t next_ns)
 {
     bool waited = !plants_due(&s->plants);
     int64_t late_ns = clock_now_ns() - next_ns;
@@ -233,7 +233,7 @@ static uint64_t turn(struct session *s, int64_t next_ns)
     return begun;
 }
 
-static void loop(struct session *s)
+static void loop(struct run *s)
 {
     double duration = options_number(s->o, "duration");
     bool status = options_given(s->o, "status"), endless = !(duration > 0.0),
@@ -256,7 +256,7 @@ static void loop(struct session *s)
 }
 
 /* Bus frames begin with words instead of instants; nothing is missed. Returns the exit status. */
-static int loop_in_lockstep(struct session *s)
+static int loop_in_lockstep(struct run *s)
 {
     double duration = options_number(s->o, "duration");
     bool status = options_given(s->o, "status"), endless = !(duration > 0.0),
@@ -296,7 +296,7 @@ static void print_histogram(const char *what, const struct histogram *h)
 }
 
 /* The scene's target for one step, against the frame's whole work shared by its steps. */
-static void print_cost(const struct session *s)
+static void print_cost(const struct run *s)
 {
     double step_us = spread_quantile(&s->compute, 0.99) / s->scene->config.substeps;
     double asked_us = s->scene->scene.cost_s * 1e6;
@@ -314,7 +314,7 @@ static void print_faults(const struct faults *f)
 }
 
 /* Says whether the scene's watch has tripped. */
-static void print_watch(const struct session *s)
+static void print_watch(const struct run *s)
 {
     const struct app *a = &s->scene->app;
     const struct watch *w = &a->watch;
@@ -329,7 +329,7 @@ static void print_watch(const struct session *s)
     printf("the model is %s\n", a->plant.model->name);
 }
 
-static void report_lateness(const struct session *s)
+static void report_lateness(const struct run *s)
 {
     printf("frames %llu of %g us, missed %llu, later than half a period %llu\n",
            (unsigned long long)s->compute.n, s->period_s * 1e6, (unsigned long long)s->missed,
@@ -340,7 +340,7 @@ static void report_lateness(const struct session *s)
                spread_quantile(&s->lateness, 0.5), spread_quantile(&s->lateness, 0.99), s->lateness.max_us);
 }
 
-static void report_lockstep(const struct session *s)
+static void report_lockstep(const struct run *s)
 {
     double bus_s = (double)s->compute.n * s->period_s,
            took_s = (double)(s->lockstep.last_ns - s->lockstep.begin_ns) * 1e-9;
@@ -360,7 +360,7 @@ static void report_counters(const struct app *a)
 }
 
 /* A run's only plant. */
-static void report_plant(const struct session *s)
+static void report_plant(const struct run *s)
 {
     const struct app *a = &s->scene->app;
     const struct model *m = s->scene->config.model;
@@ -381,7 +381,7 @@ static void report_plant(const struct session *s)
     report_counters(a);
 }
 
-static void report(struct session *s)
+static void report(struct run *s)
 {
     (s->lockstep.on ? report_lockstep : report_lateness)(s);
     if (s->compute.n)
@@ -396,7 +396,7 @@ static void report(struct session *s)
     fflush(stdout);
 }
 
-static void announce_plants(const struct session *s, const char *bus)
+static void announce_plants(const struct run *s, const char *bus)
 {
     const struct app_config *c = &s->scene->config;
     if (s->plants.n > 1) {
@@ -417,7 +417,7 @@ static void announce_plants(const struct session *s, const char *bus)
         1.0 / c->frame_s, c->substeps, scene_resonance_Hz(s->scene));
 }
 
-static void announce(const struct session *s)
+static void announce(const struct run *s)
 {
     char bus[BUS_REASON];
     bus_describe(&s->bus, bus);
@@ -430,7 +430,7 @@ static void announce(const struct session *s)
 
 /* ---- set-up ---- */
 
-static int take_policy(struct session *s)
+static int take_policy(struct run *s)
 {
     static const char *const policy[] = {"catch_up", "skip", "freeze", "stop"};
     const char *text = options_text(s->o, "overrun", 0);
@@ -445,7 +445,7 @@ static int take_policy(struct session *s)
 }
 
 /* A plant that fails its self-test runs, tells it and refuses to be enabled. */
-static int test_itself(struct session *s)
+static int test_itself(struct run *s)
 {
     struct selftest_result r;
     if (!selftest_of_host(&r))
@@ -458,7 +458,7 @@ static int test_itself(struct session *s)
     return STATUS_DONE;
 }
 
-static int start_session(struct session *s)
+static int start_session(struct run *s)
 {
     char why[SCENE_REASON];
     const struct wire_scene identity = {.base_id = s->scene->config.base_id,
@@ -497,7 +497,7 @@ static int start_session(struct session *s)
     return status;
 }
 
-static int run(struct session *s, int argc, char **argv)
+static int run(struct run *s, int argc, char **argv)
 {
     char why[BUS_REASON];
     int status = plants_read(&s->plants, s->o);
@@ -533,7 +533,7 @@ int cmd_run(int argc, char **argv)
     int status;
     if (!options_parse(&o, &run_usage, argc, argv, &status))
         return status;
-    struct session *s = calloc(1, sizeof *s);
+    struct run *s = calloc(1, sizeof *s);
     if (!s)
         return options_failure(&run_usage, "out of memory");
     s->o = &o;

@@ -9,7 +9,7 @@
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
 #include "host_sim/scene/scene_load.h"
-#include "host_sim/trial/bench/bench_afm.h"
+#include "host_sim/trial/bench/loops.h"
 #include "host_sim/trial/bench/child.h"
 #include "host_sim/trial/bench/controller.h"
 #include "host_sim/trial/record.h"
@@ -147,8 +147,7 @@ static int read_file(struct tests *t, int i)
         status = options_misuse(t->o->usage, "%s", why);
     free(text);
     for (int k = 0; !status && k < t->trial[i]->n_cases; k++)
-        if (!(t->trial[i]->loops ? bench_afm_approve : bench_approve)(t->trial[i], &t->trial[i]->cases[k],
-                                                                      why))
+        if (!(t->trial[i]->loops ? loops_approve : bench_approve)(t->trial[i], &t->trial[i]->cases[k], why))
             status = options_misuse(t->o->usage, "%s", why);
     return status ? status : take_inputs(t, t->trial[i]);
 }
@@ -285,7 +284,7 @@ static bool compute(void *context, int run, FILE *rows)
                                     .realtime = options_given(t->o, "realtime"),
                                     .patience_s = options_number(t->o, "patience")};
     identify(t, run, &r);
-    (trial->loops ? bench_afm_run : s.realtime ? device_run : bench_run)(&s, &r);
+    (trial->loops ? loops_run : s.realtime ? device_run : bench_run)(&s, &r);
     return fwrite(&r, sizeof r, 1, rows) == 1;
 }
 

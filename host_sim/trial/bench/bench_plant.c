@@ -7,10 +7,12 @@
 #include "firmware/afm/afm_plant.h"
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
+#include "firmware/plant/hash.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/cli/selftest.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/live/fault_list.h"
 #include "host_sim/trial/trial_at.h"
 
@@ -24,17 +26,31 @@ static void put(struct scene_app *s, unsigned index, double value)
         s->setting[index - SETTING_FIRST] = value;
 }
 
-/* The scene of the file; a microscope's samples have so many ticks as [plant] says. */
-static bool find_scene(struct scene_app *s, const struct trial *t, char *why)
+static const unsigned ticks_index = AFM_PLANT_NUMBERS + STATION_TICKS;
+
+static double ticks_in_sets(const struct trial_plant *p, double ticks)
+{
+    for (int i = 0; i < p->n; i++)
+        ticks = p->set[i].index == ticks_index ? p->set[i].value : ticks;
+    return ticks;
+}
+
+/* Ticks of a microscope's sample as [plant] says; without a bus also as the case says. */
+static double ticks_of(const struct trial *t, const struct trial_case *c, const double *varied)
+{
+    double ticks = ticks_in_sets(&t->plant, station_number[STATION_TICKS].initial);
+    if (!t->loops)
+        return ticks;
+    return varied && c->varied == (int)ticks_index ? *varied : ticks_in_sets(&c->plant, ticks);
+}
+
+/* The scene of the file, or with a microscope around it. */
+static bool find_scene(struct scene_app *s, const struct trial *t, double ticks, char *why)
 {
     char path[BENCH_PATH];
-    double ticks = station_number[STATION_TICKS].initial;
     bench_scene_path(t->file, t->scene_name, path);
     if (!t->is_microscope)
         return scene_init(s, path, why);
-    for (int i = 0; i < t->plant.n; i++)
-        if (t->plant.set[i].index == AFM_PLANT_NUMBERS + STATION_TICKS)
-            ticks = t->plant.set[i].value;
     memset(s, 0, sizeof *s);
     s->origin = SCENE_OF_FILE;
     scene_around_lever(&t->lever, ticks, &s->scene);
@@ -42,15 +58,19 @@ static bool find_scene(struct scene_app *s, const struct trial *t, char *why)
     return true;
 }
 
-static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c, char *why)
+/* The frame, by [plant] and the case. A microscope's lever keeps its pace; without a bus a frame is a sample.
+ */
+static bool set_pace(struct scene_app *s, const struct trial *t, const struct trial_case *c, double ticks,
+                     char *why)
 {
-    struct scene_app *s = &p->scene;
-    if (!find_scene(s, t, why))
-        return false;
     double sample_s = s->config.frame_s / s->config.substeps;
     if (c->plant.rate_Hz > 0.0)
         s->config.frame_s = 1.0 / c->plant.rate_Hz;
-    double samples = round(s->config.frame_s / sample_s); /* the lever's pace stays */
+    if (t->loops)
+        s->config.frame_s = sample_s = t->lever.frame_s / t->lever.substeps / t->lever.dilation * ticks;
+    while (t->loops && s->config.frame_s < 1e-6) /* no app has a shorter one */
+        s->config.frame_s *= 2.0;
+    double samples = round(s->config.frame_s / sample_s);
     if (t->is_microscope && !(samples >= 1.0 && samples <= SCENE_SUBSTEPS_MAX)) {
         snprintf(
             why, TRIAL_REASON,
@@ -62,6 +82,16 @@ static bool make(struct bench_plant *p, const struct trial *t, const struct tria
         s->config.substeps = (uint32_t)samples;
     if (c->plant.substeps)
         s->config.substeps = c->plant.substeps;
+    return true;
+}
+
+static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
+                 const double *varied, char *why)
+{
+    struct scene_app *s = &p->scene;
+    double ticks = ticks_of(t, c, varied);
+    if (!find_scene(s, t, ticks, why) || !set_pace(s, t, c, ticks, why))
+        return false;
     scene_app_default_settings(s);
     for (int i = 0; i < t->plant.n; i++)
         put(s, t->plant.set[i].index, t->plant.set[i].value);
@@ -110,14 +140,21 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
-/* Tells the readers a sample of a microscope. */
-static void tell_sample(struct bench_plant *p, const struct plant *pl)
+void bench_plant_read_afm(const struct bench_plant *p, double *value)
 {
-    double in[AFM_PLANT_INPUTS], value[METRIC_SIGNALS];
+    const struct plant *pl = &p->scene.app.plant;
+    double in[AFM_PLANT_INPUTS];
     for (int i = 0; i < AFM_PLANT_INPUTS; i++)
         in[i] = pl->drive[i].sample * scale_of(&pl->scale, pl->model->input_signal[i].quantity);
     const struct microscope_in commands = {in[0], in[1], in[2], in[3]};
     trial_afm_read(afm_plant_station(pl->scratch), &commands, value);
+}
+
+/* Tells the readers a sample of a microscope. */
+static void tell_sample(struct bench_plant *p, const struct plant *pl)
+{
+    double value[METRIC_SIGNALS];
+    bench_plant_read_afm(p, value);
     for (int k = 0; k < p->n_readers; k++)
         measurement_tick(p->reader[k], pl->now.tick, value);
 }
@@ -215,7 +252,8 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
 {
     p->c = c;
     p->see = t->is_microscope ? &trial_afm_view : t->scene.model;
-    if (!make(p, t, c, why))
+    p->loops = t->loops;
+    if (!make(p, t, c, varied, why))
         return false;
     p->scene.config.observe = t->is_microscope ? observe_microscope : observe;
     p->scene.config.observer = p;
@@ -258,33 +296,25 @@ static bool act_fits(const struct plant *pl, const struct trial_act *act, char *
     return size <= limit;
 }
 
-bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
-{
-    static struct bench_plant p;
-    static struct faults faults;
-    static const struct hal none = {0};
-    char reason[SCENE_REASON];
-    memset(&p, 0, sizeof p);
-    const char *refused = t->is_microscope ? trial_afm_refuse(c) : NULL;
-    snprintf(reason, sizeof reason, "%s", refused ? refused : "");
-    bool good = !refused && bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary_to : NULL, reason);
-    faults_init(&faults, &none, 1);
-    if (good && *c->link)
-        good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);
-    p.link = &faults;
-    for (int i = 0; good && i < c->n_acts; i++)
-        good = c->act[i].what.verb != ACTION_FAULTS || apply_faults(&p, &c->act[i], reason);
-    for (int i = 0; good && i < c->n_acts; i++)
-        good = act_fits(&p.scene.app.plant, &c->act[i], reason);
-    bench_plant_close(&p);
-    return good ? true : scene_text_wrong(t->file, c->line, why, "[case %s]: %.400s", c->name, reason);
-}
-
 /* ---- what happens ---- */
 
-/* A set of values, as PARAM_COMMIT would apply it. */
-static bool apply_set(struct app *a, const struct trial_act *act, char *why)
+/* NULL, or why a microscope's own loops cannot go on with this set: it would put another instrument in. */
+static const char *check_instrument(const struct plant *pl, const struct staged *set, char *subject)
 {
+    double number[STATION_NUMBERS];
+    for (unsigned i = 0; i < STATION_NUMBERS; i++)
+        number[i] = (staged_has(set, AFM_PLANT_NUMBERS + i) ? set->value : pl->si)[AFM_PLANT_NUMBERS + i];
+    int fixed = station_fixed(afm_plant_station(pl->scratch), number);
+    if (fixed < 0)
+        return NULL;
+    snprintf(subject, SCENE_SUBJECT, "%s ", station_number[fixed].name);
+    return "cannot change while the microscope runs: give it at the beginning";
+}
+
+/* A set of values, as PARAM_COMMIT would apply it. */
+static bool apply_set(struct bench_plant *p, const struct trial_act *act, char *why)
+{
+    struct app *a = &p->scene.app;
     char subject[SCENE_SUBJECT];
     struct staged staged;
     memset(&staged, 0, sizeof staged);
@@ -292,6 +322,8 @@ static bool apply_set(struct app *a, const struct trial_act *act, char *why)
         staged_put(&staged, act->what.set[i].index, act->what.set[i].value);
     const char *reason = parameters_check(a, &staged);
     find_subject(a, &staged, subject);
+    if (!reason && p->loops)
+        reason = check_instrument(&a->plant, &staged, subject);
     if (reason)
         snprintf(why, TRIAL_REASON, "set at %g s does not fit: %s%s", act->at_s, subject, reason);
     else
@@ -304,7 +336,7 @@ static bool apply(struct bench_plant *p, const struct trial_act *act, char *why)
     struct app *a = &p->scene.app;
     switch (act->what.verb) {
     case ACTION_SET:
-        return apply_set(a, act, why);
+        return apply_set(p, act, why);
     case ACTION_FAULTS:
         return apply_faults(p, act, why);
     case ACTION_STREAM:
@@ -391,7 +423,7 @@ bool bench_plant_act(struct bench_plant *p, char *why)
         return false;
     for (; p->next_act < p->c->n_acts; p->next_act++) {
         const struct trial_act *act = &p->c->act[p->next_act];
-        if (act->at_s > plant_time(&p->scene.app.plant) + 0.5 * p->scene.app.plant.tick_s)
+        if (ticks_begun(act->at_s, p->scene.app.plant.tick_s) > p->scene.app.plant.now.tick)
             return true;
         if (!apply(p, act, why))
             return false;
@@ -405,6 +437,30 @@ bool bench_has_faults(const struct trial_case *c)
     for (int i = 0; i < c->n_acts; i++)
         has = has || c->act[i].what.verb == ACTION_FAULTS;
     return has;
+}
+
+bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
+{
+    static struct bench_plant p;
+    static struct faults faults;
+    static const struct hal none = {0};
+    char reason[SCENE_REASON];
+    memset(&p, 0, sizeof p);
+    const char *refused = t->is_microscope ? trial_afm_refuse(c) : NULL;
+    snprintf(reason, sizeof reason, "%s", refused ? refused : "");
+    bool good = !refused && bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary_to : NULL, reason);
+    faults_init(&faults, &none, 1);
+    if (good && *c->link)
+        good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);
+    p.link = &faults;
+    for (int i = 0; good && i < c->n_acts; i++)
+        good = c->act[i].what.verb != ACTION_FAULTS || apply_faults(&p, &c->act[i], reason);
+    for (int i = 0; good && t->loops && i < c->n_acts; i++)
+        good = apply(&p, &c->act[i], reason);
+    for (int i = 0; good && i < c->n_acts; i++)
+        good = act_fits(&p.scene.app.plant, &c->act[i], reason);
+    bench_plant_close(&p);
+    return good ? true : scene_text_wrong(t->file, c->line, why, "[case %s]: %.400s", c->name, reason);
 }
 
 /* The reading of a metric of controller or run, now. */
@@ -445,11 +501,18 @@ const char *bench_plant_state(const struct bench_plant *p)
     return name ? name : "?";
 }
 
+static uint64_t hash_of(const struct bench_plant *p)
+{
+    const struct plant *pl = &p->scene.app.plant;
+    if (!pl->model)
+        return 0;
+    return p->loops ? station_hash(afm_plant_station(pl->scratch), HASH_BEGIN) : plant_hash(pl);
+}
+
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r)
 {
     const struct plant *pl = &p->scene.app.plant;
-    const struct evidence e = {p->see, plant_time(pl), pl->model ? plant_hash(pl) : 0, p->faults,
-                               p->scene.app.count};
+    const struct evidence e = {p->see, plant_time(pl), hash_of(p), p->faults, p->scene.app.count};
     verdict_judge(&e, c, p->measurement, p->n_judged, r);
     for (int i = p->n_judged; i < p->n; i++)
         measurement_end(&p->measurement[i], e.now_s, 0, &r->truth[i - p->n_judged]);

@@ -9,6 +9,7 @@
 
 struct bench_plant {
     struct scene_app scene;
+    bool loops;               /* a microscope with its own loops, without a bus */
     uint32_t seed;            /* a microscope's heat has it, set before opening; 0 and 1: its lever's own */
     const struct model *see;  /* whose signals are measured */
     struct trial_afm contact; /* that of a microscope */
@@ -45,6 +46,9 @@ void bench_plant_frame(struct bench_plant *p, const struct bench_link *l);
 
 /* The plant's state by name. */
 const char *bench_plant_state(const struct bench_plant *p);
+
+/* Values of all signals of a microscope now, SI. */
+void bench_plant_read_afm(const struct bench_plant *p, double *value);
 
 /* Outcomes, verdict and hash into *r. */
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r);

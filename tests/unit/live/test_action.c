@@ -73,6 +73,10 @@ TEST(action_refuses)
     struct action a;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         check_contains(bad[i].words, read_text(bad[i].verb, bad[i].words, &a), bad[i].why);
+    char many[16 * (ACTION_SETS + 1)] = "";
+    for (int i = 0; i <= ACTION_SETS; i++)
+        strcat(many, "mass=5 kg ");
+    check_string("one value too many", read_text(ACTION_SET, many, &a), "set: more than 32 values");
 }
 
 TEST(action_find)
