@@ -14,26 +14,30 @@
 #include <linux/futex.h>
 #include <math.h>
 #include <poll.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 enum {
     WORD_FRAMES = 256,
-    WORD_WHOLE = 1388, /* a shorter packet ends a bus frame */
-    WORD_SLOTS = 32,   /* packets that a ring of the memory holds */
-    WORD_LOOKS = 1000, /* into the memory before a sleep: some 20 us */
+    WORD_WHOLE = 1388,   /* a shorter packet ends a bus frame */
+    WORD_SLOTS = 32,     /* packets that a ring of the memory holds */
+    WORD_APART_US = 400, /* it looks so long before it sleeps: longer than a sleeper takes to wake */
+    WORD_UNKNOWN_US = 20,
     WORD_PATIENCE_S = 10,
     WORD_REALTIME_MS = 100 /* in which a plant in real time speaks */
 };
 
-/* A ring of packets with one writer and one reader: slot i % WORD_SLOTS has packet i. */
+/* A ring of packets with one writer and one reader: slot i % WORD_SLOTS has packet i. `processor` is where
+ * the writer runs, plus 1; 0: not told. */
 struct word_ring {
-    uint32_t written, gap[15], taken, gap2[15], asleep, gap3[15];
+    uint32_t written, processor, gap[14], taken, gap2[15], asleep, gap3[15];
     struct {
         uint32_t n;
         uint8_t bytes[2044];
@@ -95,17 +99,52 @@ static void word_pause(void) /* between two looks, which are too quick otherwise
 #endif
 }
 
+#ifndef __cplusplus
+int sched_getcpu(void); /* where another header stands before this one, sched.h does not declare it */
+#endif
+
+static int word_is_there(const struct word_ring *r)
+{
+    return __atomic_load_n(&r->written, __ATOMIC_SEQ_CST) != r->taken;
+}
+
+/* Looks for so many microseconds; 1: there is a packet. */
+static int word_look(const struct word_ring *r, long us)
+{
+    struct timespec begin, now;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    do {
+        for (int i = 0; i < 16; i++, word_pause())
+            if (word_is_there(r))
+                return 1;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+    } while ((now.tv_sec - begin.tv_sec) * 1000000 + (now.tv_nsec - begin.tv_nsec) / 1000 < us);
+    return 0;
+}
+
+/* Looks while the plant answers on another processor. On this one it waits for it. After looks in vain the
+ * next waits sleep at once: 1, 3, 7 and at most 63, until a look finds a packet. */
+static void word_look_before_sleep(const struct word_ring *r)
+{
+    static unsigned at_once, in_vain;
+    uint32_t there = __atomic_load_n(&r->processor, __ATOMIC_SEQ_CST), here = (uint32_t)sched_getcpu() + 1;
+    if (word_is_there(r) || (there && there == here))
+        return;
+    if (at_once)
+        at_once--;
+    else
+        at_once = in_vain =
+            word_look(r, there ? WORD_APART_US : WORD_UNKNOWN_US) ? 0 : (2 * in_vain + 1) & 63;
+}
+
 /* A packet of the memory; -1 after silence, or when the plant has ended: that is a packet of no bytes. The
  * plant looks, too, so most words are there before a sleep. */
 static ssize_t word_take(uint8_t *packet)
 {
-    static int rest;
     const struct timespec patience = {WORD_PATIENCE_S, 0};
     struct word_ring *r = &word_memory->from_plant;
-    uint32_t i = r->taken, looks = rest ? 0 : WORD_LOOKS;
-    while (looks-- && __atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i)
-        word_pause();
-    rest = rest ? rest - 1 : __atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i ? 64 : 0;
+    uint32_t i = r->taken;
+    word_look_before_sleep(r);
     while (__atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i) {
         __atomic_store_n(&r->asleep, 1, __ATOMIC_SEQ_CST);
         if (__atomic_load_n(&r->written, __ATOMIC_SEQ_CST) == i &&
@@ -127,6 +166,7 @@ static void word_put(const uint8_t *packet, size_t n)
     struct word_ring *r = &word_memory->to_plant;
     r->slot[r->written % WORD_SLOTS].n = (uint32_t)n;
     memcpy(r->slot[r->written % WORD_SLOTS].bytes, packet, n);
+    __atomic_store_n(&r->processor, (uint32_t)sched_getcpu() + 1, __ATOMIC_SEQ_CST);
     __atomic_store_n(&r->written, r->written + 1, __ATOMIC_SEQ_CST);
     if (__atomic_load_n(&r->asleep, __ATOMIC_SEQ_CST))
         syscall(SYS_futex, &r->written, FUTEX_WAKE, 1, NULL, NULL, 0);

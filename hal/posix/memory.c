@@ -3,57 +3,18 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <linux/futex.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
-#include <time.h>
 #include <unistd.h>
 #include "hal/posix/clock.h"
 
-enum {
-    LOOKS = 1000,  /* some 20 us */
-    LOOK_REST = 64 /* waits that sleep at once, after looks in vain */
-};
-
-static uint32_t load(const uint32_t *at)
-{
-    return __atomic_load_n(at, __ATOMIC_SEQ_CST);
-}
-
-static void store(uint32_t *at, uint32_t value)
-{
-    __atomic_store_n(at, value, __ATOMIC_SEQ_CST);
-}
-
-static void pause_a_look(void)
-{
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-}
-
 /* ---- sending ---- */
-
-/* Into the next slot; false where the ring is full. */
-static bool put(struct memory_ring *r, const void *bytes, uint32_t n)
-{
-    uint32_t written = load(r->written);
-    if (written - load(r->taken) >= MEMORY_SLOTS)
-        return false;
-    r->slot[written % MEMORY_SLOTS].n = n;
-    memcpy(r->slot[written % MEMORY_SLOTS].bytes, bytes, n);
-    store(r->written, written + 1);
-    if (load(r->asleep))
-        (void)syscall(SYS_futex, r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
-    return true;
-}
 
 static bool transmit(struct memory *m)
 {
-    if (!put(&m->rings->from_plant, m->packet.bytes, m->packet.n_bytes))
+    if (!memory_ring_put(&m->rings->from_plant, m->packet.bytes, m->packet.n_bytes))
         return false;
     cannelloni_next(&m->packet);
     return true;
@@ -84,53 +45,17 @@ static void flush(void *context)
 
 /* ---- receiving ---- */
 
-static bool has_packet(const struct memory_ring *r)
-{
-    return load(r->written) != load(r->taken);
-}
-
-static bool comes_soon(struct memory *m)
-{
-    const struct memory_ring *r = &m->rings->to_plant;
-    if (m->rest > 0) {
-        m->rest--;
-        return has_packet(r);
-    }
-    for (int i = 0; i < LOOKS; i++, pause_a_look())
-        if (has_packet(r))
-            return true;
-    m->rest = LOOK_REST;
-    return false;
-}
-
-/* Until the ring has a packet, `ms` are over, or a signal comes. */
-static void sleep_for_packet(struct memory_ring *r, int ms)
-{
-    struct timespec most = {ms / 1000, ms % 1000 * 1000000L};
-    uint32_t seen = load(r->written);
-    store(r->asleep, 1);
-    if (seen == load(r->taken) && seen == load(r->written))
-        (void)syscall(SYS_futex, r->written, FUTEX_WAIT, seen, &most, NULL, 0);
-    store(r->asleep, 0);
-}
-
-/* The next packet into m->frame; false where it is malformed. The other process may change its length while
- * it is read, so it is read once. More packets than there are slots were never written: all are left out. */
+/* The next packet into m->frame; false where it is malformed. */
 static bool take_packet(struct memory *m)
 {
     uint8_t packet[MEMORY_BYTES];
-    struct memory_ring *r = &m->rings->to_plant;
-    uint32_t taken = load(r->taken), written = load(r->written), n = load(&r->slot[taken % MEMORY_SLOTS].n);
-    bool sound = written - taken <= MEMORY_SLOTS && n <= MEMORY_BYTES;
-    m->i_frame = m->n_frames = 0;
-    if (sound) {
-        memcpy(packet, r->slot[taken % MEMORY_SLOTS].bytes, n);
-        uint32_t before = m->passed_over;
-        m->n_frames = cannelloni_parse(packet, n, m->frame, CANNELLONI_FRAMES_MAX, &m->passed_over);
-        m->fault |= m->passed_over != before ? HAL_FOREIGN : 0;
-    }
-    store(r->taken, written - taken <= MEMORY_SLOTS ? taken + 1 : written);
-    if (sound && m->n_frames >= 0)
+    int n = memory_ring_take(&m->rings->to_plant, packet);
+    uint32_t before = m->passed_over;
+    m->i_frame = 0;
+    m->n_frames =
+        n < 0 ? n : cannelloni_parse(packet, (size_t)n, m->frame, CANNELLONI_FRAMES_MAX, &m->passed_over);
+    m->fault |= m->passed_over != before ? HAL_FOREIGN : 0;
+    if (m->n_frames >= 0)
         return true;
     m->n_frames = 0;
     m->malformed++;
@@ -145,9 +70,7 @@ bool memory_await(struct memory *m, int ms)
         m->owes = !transmit_frame(m);
     if (m->i_frame < m->n_frames)
         return true;
-    if (!comes_soon(m))
-        sleep_for_packet(&m->rings->to_plant, ms);
-    return has_packet(&m->rings->to_plant) && take_packet(m);
+    return memory_ring_await(&m->rings->to_plant, &m->wait, ms) && take_packet(m);
 }
 
 static int receive(void *context, struct frame *f)
@@ -221,7 +144,8 @@ static bool has_its_name(const struct memory *m)
 void memory_close(struct memory *m)
 {
     if (m->rings) {
-        (void)put(&m->rings->from_plant, "", 0); /* the end; a ring that is full has other words to read */
+        (void)memory_ring_put(&m->rings->from_plant, "",
+                              0); /* the end; a ring that is full has other words to read */
         munmap(m->rings, sizeof *m->rings);
     }
     if (has_its_name(m))

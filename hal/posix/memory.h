@@ -2,19 +2,13 @@
  * frames in packets of the cannelloni format (hal/link/cannelloni.h), as UDP does, but without a system call
  * while both run.
  *
- * The memory is a file, which the controller opens and maps. It holds two rings of packets: to the plant,
- * from the plant. Each has one writer and one reader:
- * - The writer fills slot[written % MEMORY_SLOTS] where written - taken < MEMORY_SLOTS, then adds 1 to
- *   `written`. Where the reader has set `asleep`, it wakes the reader by a futex on `written`.
- * - The reader empties slot[taken % MEMORY_SLOTS] where written != taken, then adds 1 to `taken`. Before it
- *   sleeps it sets `asleep`, and looks once more.
- * Both reach `written`, `taken` and `asleep` by sequentially consistent loads and stores.
+ * The memory is a file, which the controller opens and maps. It holds two rings of packets
+ * (hal/posix/memory_ring.h): to the plant, from the plant.
  *
  * A word is a packet, an empty one too, but not a malformed one. A flush sends a packet, an empty one too.
  * One of CANNELLONI_MORE bytes or more says that another follows. A frame that finds the ring full is
- * refused, as on every bus. The end of a bus frame that does goes later, in memory_await. That looks for 20
- * us before it sleeps. Where that was in vain, as on one processor, the next waits sleep at once. A packet
- * of no bytes from the plant says that it has ended.
+ * refused, as on every bus. The end of a bus frame that does goes later, in memory_await. A packet of no
+ * bytes from the plant says that it has ended.
  *
  * Cost: 0.1 us a packet; a system call where one of the two has to sleep or be woken. */
 #ifndef HAL_MEMORY_H
@@ -24,23 +18,11 @@
 #include <stdint.h>
 #include "hal/hal.h"
 #include "hal/link/cannelloni.h"
+#include "hal/posix/memory_ring.h"
 
-enum {
-    MEMORY_SLOTS = 32,
-    MEMORY_BYTES = CANNELLONI_PACKET_MAX - 4, /* a packet has at most: a slot is 2048 bytes long */
-    MEMORY_PATH = 108,
-    MEMORY_APART = 64 / 4 /* words from one counter to the next: a line of the cache */
-};
+enum { MEMORY_PATH = 108 };
 
-/* Both processes see it. Every field is little endian, as the machine is, and zero at first. */
-struct memory_ring {
-    uint32_t written[MEMORY_APART], taken[MEMORY_APART], asleep[MEMORY_APART]; /* the first of each counts */
-    struct {
-        uint32_t n; /* bytes */
-        uint8_t bytes[MEMORY_BYTES];
-    } slot[MEMORY_SLOTS];
-};
-
+/* Both processes see it. */
 struct memory_rings {
     struct memory_ring to_plant, from_plant;
 };
@@ -57,10 +39,10 @@ struct memory {
     int n_frames, i_frame;
     struct cannelloni packet; /* being filled */
     bool owes;                /* the end of a bus frame that found the ring full */
-    uint32_t rest;            /* waits to come that sleep at once */
-    uint32_t malformed;       /* packets that were refused; reported as HAL_FOREIGN too */
-    uint32_t passed_over;     /* frames that are no classic data frames; HAL_FOREIGN, too */
-    int fault;                /* hal_fault bits for the next recv */
+    struct memory_wait wait;
+    uint32_t malformed;   /* packets that were refused; reported as HAL_FOREIGN too */
+    uint32_t passed_over; /* frames that are no classic data frames; HAL_FOREIGN, too */
+    int fault;            /* hal_fault bits for the next recv */
 };
 
 /* Makes memory whose length nobody can change, so that no other process can end this one through it. At this

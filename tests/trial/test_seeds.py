@@ -118,7 +118,7 @@ def test_stop():
 
 
 RING = 192 + 32 * 2048  # bytes of a ring of the memory, docs/guide/lockstep.md
-WRITTEN, TAKEN, SLOT = 0, 64, 192
+WRITTEN, PROCESSOR, TAKEN, SLOT = 0, 4, 64, 192
 
 
 def count(memory, at):
@@ -163,7 +163,13 @@ def test_memory():
                 os.kill(me.pid, signal.SIGSTOP)
                 until(lambda: count(m, TAKEN) == count(m, WRITTEN))
                 verdict("memory: the controller after three that died takes each answer", told and unread() <= 1, unread())
+                one = min(os.sched_getaffinity(0))
+                for process in (plant.pid, me.pid):
+                    os.sched_setaffinity(process, {one})
+                before = count(m, WRITTEN)
                 os.kill(me.pid, signal.SIGCONT)
+                told = until(lambda: count(m, WRITTEN) > before + 100) and [count(m, PROCESSOR), count(m, RING + PROCESSOR)]
+                verdict("memory: both sides tell their processor, plus 1", told == [one + 1, one + 1], told)
         plant.send_signal(signal.SIGINT)
         plant.communicate()
         try:

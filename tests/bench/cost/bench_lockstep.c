@@ -13,20 +13,17 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <linux/futex.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 enum {
     SUBSTEPS = 64,
     OPENING = 1000,
-    RUN = 50,    /* exchanges so short that other work on the machine leaves some of them alone */
-    LOOKS = 1000 /* some 20 us */
+    RUN = 50 /* exchanges so short that other work on the machine leaves some of them alone */
 };
 
 static const struct wire_scene scene = {.base_id = 0x200,
@@ -36,6 +33,7 @@ static const struct wire_scene scene = {.base_id = 0x200,
                                         .lsb = {1.0, 1.0, 1.0, 1.0}};
 static int plant;
 static struct memory_rings *rings; /* NULL: over UDP */
+static struct memory_wait wait;
 static struct cannelloni word;
 static uint8_t counter[WIRE_COMMANDS], session, session_seen;
 static uint32_t frame, tick;
@@ -65,43 +63,15 @@ static void hear(const struct frame *f)
 
 static ssize_t put_word(void)
 {
-    struct memory_ring *r = &rings->to_plant;
-    uint32_t i = r->written[0];
-    r->slot[i % MEMORY_SLOTS].n = word.n_bytes;
-    memcpy(r->slot[i % MEMORY_SLOTS].bytes, word.bytes, word.n_bytes);
-    __atomic_store_n(r->written, i + 1, __ATOMIC_SEQ_CST);
-    if (__atomic_load_n(r->asleep, __ATOMIC_SEQ_CST))
-        syscall(SYS_futex, r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
-    return word.n_bytes;
+    return memory_ring_put(&rings->to_plant, word.bytes, word.n_bytes) ? (ssize_t)word.n_bytes : -1;
 }
 
-static void pause_a_look(void)
-{
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-}
-
-/* A packet of the plant: some looks, then a sleep. */
+/* A packet of the plant. */
 static ssize_t take_answer(uint8_t *answer)
 {
-    struct memory_ring *r = &rings->from_plant;
-    uint32_t i = r->taken[0];
-    static int rest;
-    int looks = rest ? 0 : LOOKS;
-    while (looks-- > 0 && __atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i)
-        pause_a_look();
-    rest = rest ? rest - 1 : __atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i ? 64 : 0;
-    while (__atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i) {
-        __atomic_store_n(r->asleep, 1, __ATOMIC_SEQ_CST);
-        if (__atomic_load_n(r->written, __ATOMIC_SEQ_CST) == i)
-            syscall(SYS_futex, r->written, FUTEX_WAIT, i, NULL, NULL, 0);
-    }
-    __atomic_store_n(r->asleep, 0, __ATOMIC_SEQ_CST);
-    uint32_t n = r->slot[i % MEMORY_SLOTS].n;
-    memcpy(answer, r->slot[i % MEMORY_SLOTS].bytes, n);
-    __atomic_store_n(r->taken, i + 1, __ATOMIC_SEQ_CST);
-    return n;
+    while (!memory_ring_await(&rings->from_plant, &wait, 1000))
+        ;
+    return memory_ring_take(&rings->from_plant, answer);
 }
 
 /* One word, and the bus frame that answers it. False: the plant is not there. */
@@ -196,7 +166,10 @@ int main(int argc, char **argv)
     double took_s = 1e-9 * (double)(clock_ns() - begin_ns);
     put(WIRE_CONTROL, CONTROL_STOP, 0xFF - CONTROL_STOP, 0.0);
     (void)exchange();
-    printf("%ld exchanges, %.0f/s, the best %d in a row %.0f/s\n", n, (double)n / took_s, RUN,
+    printf("%ld exchanges, %.0f/s, the best %d in a row %.0f/s", n, (double)n / took_s, RUN,
            1e9 * RUN / (double)best_ns);
+    if (rings)
+        printf(", %u sleeps", wait.sleeps);
+    printf("\n");
     return tick - begin_tick < (uint32_t)n * SUBSTEPS;
 }

@@ -33,10 +33,10 @@ static void close_rings(void)
 static void say_length(const void *packet, size_t size, size_t n)
 {
     struct memory_ring *r = &bench_rings->to_plant;
-    uint32_t i = r->written[0] % MEMORY_SLOTS;
+    uint32_t i = r->written % MEMORY_SLOTS;
     memcpy(r->slot[i].bytes, packet, n < size ? n : size);
     r->slot[i].n = (uint32_t)n;
-    __atomic_store_n(r->written, r->written[0] + 1, __ATOMIC_SEQ_CST);
+    __atomic_store_n(&r->written, r->written + 1, __ATOMIC_SEQ_CST);
 }
 
 static void say_packet(const void *packet, size_t n)
@@ -77,7 +77,7 @@ TEST(memory_words)
     check_int("has no frames", hear_frames(f, 1), 0);
     plant_memory.hal.flush(&plant_memory);
     check_int("then there is none", memory_await(&plant_memory, 0), false);
-    check_int("an answer a turn", bench_rings->from_plant.written[0], 2);
+    check_int("an answer a turn", bench_rings->from_plant.written, 2);
     check_int("of one frame", bench_rings->from_plant.slot[0].bytes[4], 1);
     check_int("and of none", bench_rings->from_plant.slot[1].n, CANNELLONI_HEADER);
     close_rings();
@@ -104,13 +104,13 @@ TEST(memory_long_answer)
     for (int i = 0; i < 107 + 106; i++)
         check_int("a frame is taken", plant_memory.hal.send(&plant_memory, &full), 1);
     plant_memory.hal.flush(&plant_memory);
-    check_int("packets", bench_rings->from_plant.written[0], 2);
+    check_int("packets", bench_rings->from_plant.written, 2);
     check_int("the first says that more follows", bench_rings->from_plant.slot[0].n, 5 + 107 * 13);
     check_int("the second does not", bench_rings->from_plant.slot[1].n, 5 + 106 * 13);
     for (int i = 0; i < 107; i++)
         plant_memory.hal.send(&plant_memory, &full);
     plant_memory.hal.flush(&plant_memory);
-    check_int("a full packet alone and an empty one", bench_rings->from_plant.written[0], 4);
+    check_int("a full packet alone and an empty one", bench_rings->from_plant.written, 4);
     check_int("which is empty", bench_rings->from_plant.slot[3].n, CANNELLONI_HEADER);
     close_rings();
 }
@@ -123,7 +123,7 @@ TEST(memory_full_ring)
     while (taken < 100000 && plant_memory.hal.send(&plant_memory, &full))
         taken++;
     check_int("frames until the ring and the packet are full", taken, (MEMORY_SLOTS + 1) * 107);
-    bench_rings->from_plant.taken[0] = 1; /* the controller takes one packet */
+    bench_rings->from_plant.taken = 1; /* the controller takes one packet */
     check_int("there is room again", plant_memory.hal.send(&plant_memory, &full), 1);
     close_rings();
 }
@@ -134,20 +134,20 @@ TEST(memory_full_ring_ends)
 {
     const struct frame full = {.id = 1, .length = FRAME_DATA};
     open_rings();
-    bench_rings->from_plant.written[0] = MEMORY_SLOTS; /* full */
+    bench_rings->from_plant.written = MEMORY_SLOTS; /* full */
     for (int i = 0; i < 107; i++)
         plant_memory.hal.send(&plant_memory, &full);
     plant_memory.hal.flush(&plant_memory);
-    check_int("nothing went", bench_rings->from_plant.written[0], MEMORY_SLOTS);
-    bench_rings->from_plant.taken[0] = 1; /* a slot */
+    check_int("nothing went", bench_rings->from_plant.written, MEMORY_SLOTS);
+    bench_rings->from_plant.taken = 1; /* a slot */
     check_int("no word yet", memory_await(&plant_memory, 0), false);
-    check_int("the long packet went", bench_rings->from_plant.written[0], MEMORY_SLOTS + 1);
-    bench_rings->from_plant.taken[0] = MEMORY_SLOTS + 1; /* all of them */
+    check_int("the long packet went", bench_rings->from_plant.written, MEMORY_SLOTS + 1);
+    bench_rings->from_plant.taken = MEMORY_SLOTS + 1; /* all of them */
     check_int("no word yet", memory_await(&plant_memory, 0), false);
-    check_int("its end went", bench_rings->from_plant.written[0], MEMORY_SLOTS + 2);
+    check_int("its end went", bench_rings->from_plant.written, MEMORY_SLOTS + 2);
     check_int("which is empty", bench_rings->from_plant.slot[1].n, CANNELLONI_HEADER);
     check_int("and nothing more goes", memory_await(&plant_memory, 0), false);
-    check_int("packets", bench_rings->from_plant.written[0], MEMORY_SLOTS + 2);
+    check_int("packets", bench_rings->from_plant.written, MEMORY_SLOTS + 2);
     close_rings();
 }
 
@@ -190,7 +190,7 @@ TEST(memory_wild_count)
     check_is("its frames", hear_frames(&f, 1), ==, 1);
     while (hear_frames(&f, 1))
         ;
-    bench_rings->to_plant.written[0] += MEMORY_SLOTS + 1;
+    bench_rings->to_plant.written += MEMORY_SLOTS + 1;
     check_int("33 more packets: no word", memory_await(&plant_memory, 0), false);
     check_int("is reported", plant_memory.hal.recv(&plant_memory, &f), -HAL_FOREIGN);
     check_int("and counted", plant_memory.malformed, 1);
@@ -206,7 +206,7 @@ TEST(memory_end)
     open_rings();
     bench_rings->from_plant.slot[0].n = 99;
     memory_close(&plant_memory);
-    check_int("a packet more", bench_rings->from_plant.written[0], 1);
+    check_int("a packet more", bench_rings->from_plant.written, 1);
     check_int("of no bytes", bench_rings->from_plant.slot[0].n, 0);
     munmap(bench_rings, sizeof *bench_rings);
 }
@@ -217,8 +217,8 @@ TEST(memory_wraps)
     struct frame f[PACKET_FRAMES];
     int frames = 0;
     open_rings();
-    bench_rings->to_plant.written[0] = bench_rings->to_plant.taken[0] = UINT32_MAX - 1;
-    bench_rings->from_plant.written[0] = bench_rings->from_plant.taken[0] = UINT32_MAX - 1;
+    bench_rings->to_plant.written = bench_rings->to_plant.taken = UINT32_MAX - 1;
+    bench_rings->from_plant.written = bench_rings->from_plant.taken = UINT32_MAX - 1;
     for (int i = 0; i < 4; i++) {
         say_packet(packet_golden, sizeof packet_golden);
         check_int("a word", memory_await(&plant_memory, 0), true);
@@ -226,7 +226,7 @@ TEST(memory_wraps)
         plant_memory.hal.flush(&plant_memory);
     }
     check_int("frames of four words", frames, 4 * PACKET_FRAMES);
-    check_int("answers written", bench_rings->from_plant.written[0], 2);
+    check_int("answers written", bench_rings->from_plant.written, 2);
     close_rings();
 }
 
@@ -243,9 +243,9 @@ TEST(memory_slow_controller)
         for (int i = 0; i < WORDS; i++) {
             usleep(i < 20 ? 2000 : 0);
             say_packet(packet_golden, sizeof packet_golden);
-            while (__atomic_load_n(bench_rings->from_plant.written, __ATOMIC_SEQ_CST) != (uint32_t)i + 1)
+            while (__atomic_load_n(&bench_rings->from_plant.written, __ATOMIC_SEQ_CST) != (uint32_t)i + 1)
                 usleep(1);
-            __atomic_store_n(bench_rings->from_plant.taken, (uint32_t)i + 1, __ATOMIC_SEQ_CST);
+            __atomic_store_n(&bench_rings->from_plant.taken, (uint32_t)i + 1, __ATOMIC_SEQ_CST);
         }
         _exit(0);
     }
