@@ -29,5 +29,6 @@ int cmd_selftest(int argc, char **argv);
 int cmd_choose(int argc, char **argv);
 int cmd_demo(int argc, char **argv);
 int cmd_fmu(int argc, char **argv);
+int cmd_fit(int argc, char **argv);
 
 #endif

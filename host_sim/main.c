@@ -75,6 +75,7 @@ static const struct command {
     int (*run)(int argc, char **argv);
 } command[] = {
     {WANT_REPLACE, "scene", "print a scene as a file to edit, or check a file", cmd_scene},
+    {WANT_REPLACE, "fit", "find the numbers of a scene from measurements of the rig", cmd_fit},
     {WANT_REPLACE, "choose", "find the cheapest model, method and step that keep a scene's tolerance",
      cmd_choose},
     {WANT_REPLACE, "run", "run a plant in real time on a bus", cmd_run},

@@ -19,7 +19,7 @@ program = os.path.abspath(sys.argv[1])
 port = 31000 + os.getpid() % 800 * 10
 REFUSED = re.compile(r"^contactplant [a-z]+: .*(itself|read by this command|read by it|golden log|controller's command|choose two files|, too)\b.*\n$")
 # Options with FILE that read, and the placeholders of values that name no file.
-READS = {("run", "plants"), ("scan", "surface"), ("basin", "rows")}
+READS = {("run", "plants"), ("fit", "sweep"), ("scan", "surface"), ("basin", "rows")}
 NO_FILE = {"A,B,...", "ADDRESS:PORT", "BUS", "CH=A,HZ,RAD", "CH=SD,STEPS,SEED", "D", "DT", "E", "FRAMES", "H", "HOST:PORT", "HZ", "I/N", "ID",
            "INPUT=HZ1,HZ2,N", "KIND", "LIST", "LOW:HIGH", "M", "M/S", "MACHINE", "MB", "N", "N,N/M,..", "NAME", "NAME,..", "NAME=FROM:TO:N",
            "NAME=VALUE", "OUTPUT", "PERIODS", "POLICY", "S", "SHARE", "STATE=LO:HI", "T", "T1,T2,...", "TIME", "WHERE", "X", "model|si"}
@@ -36,6 +36,7 @@ LINES = [
     (["scan", "lever.ini", "--surface", "h.gsf"], [], False),
     (["thermal", "lever.ini", "--seconds", "0.25"], [], True),
     (["choose", "s.ini"], [], True),
+    (["fit", "s.ini", "--sweep", "c.csv", "--hold", "preload=64 N", "--force"], [], True),
     (["sweep", "s.ini", "--sweep", "force.frequency=150:160:2", "--settle", "10"], [], True),
     (["basin", "s.ini", "--starts", "2"], [], True),
     (["basin", "s.ini", "--rows", "rows.csv"], [], False),
@@ -81,6 +82,7 @@ def prepare():
     for name, text in texts.items():
         with open(name, "w") as f:
             f.write(text)
+    shutil.copy(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/examples/fit/small.csv"), "c.csv")
     with open("h.gsf", "wb") as f:
         header = b"Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\nXReal = 1e-6\nYReal = 1e-6\nZUnits = m\n"
         f.write(header + b"\0" * (4 - len(header) % 4 + 16))

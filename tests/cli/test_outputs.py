@@ -130,6 +130,9 @@ def cases():
     for scene in ("rig", "shaft", "tip", "tapping", "kb-fig4", "nayak-random"):
         yield "scene", [scene]
     yield "dbc", ["rig"]
+    curve = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/examples/fit/small.csv")
+    yield "fit", ["rig", "--sweep", curve, "--out", "fitted.ini"]
+    yield "fit", ["rig", "--sweep", curve, "--free", "mass,stiffness,damping,gain.sensor", "--out", "fitted.ini", "--force"]
     yield "fmu", "rig --out rig.fmu".split()
     yield "fmu", "nayak-random --out n.fmu".split()
     yield "man", []

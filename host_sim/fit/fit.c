@@ -1,0 +1,75 @@
+/* fit.c - the command contactplant fit: a scene from a measured rig, and what the data cannot tell. */
+#include "host_sim/fit/fit.h"
+
+#include "host_sim/cli/clock.h"
+#include "host_sim/commands.h"
+#include "host_sim/fit/fitted.h"
+#include "host_sim/fit/judge.h"
+#include "host_sim/fit/tell.h"
+
+static const struct option fit_options[] = {
+    {"sweep", "FILE", "a measured response curve, or rows of contactplant sweep; repeatable", OPTION_READS,
+     .many = true},
+    {"free", "NAME,..",
+     "the unknowns: numbers of the plant, gain.force, gain.sensor, delay (all numbers of the plant)",
+     OPTION_TEXT, .initial = NULL},
+    {"hold", "NAME=VALUE", "a number that is known, with its unit; repeatable", OPTION_TEXT, .many = true},
+    {"out", "FILE", "the fitted scene, with the intervals as comments", OPTION_WRITES, .initial = NULL},
+    {"force", NULL, "writes --out though the fit is refused", OPTION_FLAG, .initial = NULL},
+    {.name = NULL},
+};
+
+static const struct usage fit_usage = {
+    .name = "fit",
+    .words = "SCENE",
+    .summary = "Finds the numbers of a scene from response curves of the rig: value, intervals of 68 and 95 "
+               "%, and what\n"
+               "the data give only together. A fit that cannot be believed is refused with its reasons, and "
+               "status 1.",
+    .words_help = "SCENE is a scene file or preset; its numbers are where the fit starts.\n",
+    .examples = "  contactplant fit rig.ini --sweep small.csv --sweep large.csv --out fitted.ini\n"
+                "  contactplant fit rig.ini --sweep small.csv --hold \"preload=64 N\"\n"
+                "  contactplant fit rig.ini --sweep small.csv --free mass,stiffness,damping,delay\n",
+    .min_words = 1,
+    .max_words = 1,
+    .table = {fit_options},
+};
+
+static int conclude(struct fit_setup *s, const struct fit_result *r, const struct judged *j)
+{
+    bool force = options_given(&s->o, "force");
+    for (int i = 0; i < j->n; i++)
+        fprintf(stderr, "contactplant fit: %s\n", j->reason[i]);
+    if (options_given(&s->o, "out") && (!j->n || force)) {
+        int status = fitted_write(s, r, j);
+        return status ? status : j->n ? STATUS_FAILED : STATUS_DONE;
+    }
+    if (j->n && options_given(&s->o, "out"))
+        fprintf(stderr, "contactplant fit: --out is not written; --force writes it\n");
+    return j->n ? STATUS_FAILED : STATUS_DONE;
+}
+
+int cmd_fit(int argc, char **argv)
+{
+    static struct fit_setup s;
+    static struct judged j;
+    struct fit_result r;
+    int status;
+    s = (struct fit_setup){.n = 0};
+    if (!options_parse(&s.o, &fit_usage, argc, argv, &status))
+        return status;
+    status = fit_read(&s);
+    if (!status) {
+        clock_catch_signals();
+        if (!starts_fit(&s, &r)) {
+            status = options_failure(
+                s.o.usage, "no plant near this start runs at these frequencies; give another scene");
+        } else {
+            judge_fit(&s, &r, &j);
+            tell_fit(&s, &r, &j, stdout);
+            status = conclude(&s, &r, &j);
+        }
+    }
+    fit_free(&s);
+    return status;
+}

@@ -1,0 +1,58 @@
+/* fit.h - a scene from a measured rig: what is fitted to what, and what comes of it.
+ *
+ * An unknown is a number of the scene, in logarithms, or one of the measuring chain: gain.force, gain.sensor
+ * (logarithms) and delay (seconds). A point of a curve gives two residuals, real and imaginary part, or one
+ * where no phase is known: model less data over the standard deviation. The two points beside a jump of the
+ * plant do not count: a motion at the end of its branch depends on the unknowns without bound.
+ * docs/guide/fit.md is the manual. */
+#ifndef HOST_SIM_FIT_FIT_H
+#define HOST_SIM_FIT_FIT_H
+
+#include "host_sim/fit/data/curve.h"
+#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/motion/follow.h"
+#include "host_sim/scene/scene_range.h"
+
+enum { FIT_UNKNOWNS = 10, FIT_STARTS = 8, FIT_NAME = 64 };
+
+enum fit_kind { FIT_PARAMETER, FIT_GAIN_FORCE, FIT_GAIN_SENSOR, FIT_DELAY };
+
+struct fit_unknown {
+    enum fit_kind kind;
+    int index; /* number of the SI parameter */
+    char name[FIT_NAME];
+    const char *unit;
+    double min, max, start; /* SI */
+    double unit_of_u;       /* a delay is u times this; other values are e^u */
+};
+
+struct fit_point {
+    struct follow_point at; /* the motion that was taken */
+    bool other;             /* it is not the one that the sweep's direction leads to, and differs from it */
+    bool flank;             /* the plant's jump is beside it: it does not count */
+};
+
+struct fit_setup {
+    struct options o;
+    struct scene scene;
+    const char *name; /* name of the scene */
+    struct curves data;
+    int n; /* unknowns */
+    struct fit_unknown unknown[FIT_UNKNOWNS];
+    struct orbit_task task;
+    bool noise_known;
+    int n_active; /* curves that count, the smallest drives first */
+    int n_residuals;
+    struct fit_point *point[CURVES]; /* [curve.n], of the last residuals */
+    double told_s, begun_s;          /* progress */
+};
+
+/* The command line and the data into *s. 0, or the exit status after a line. fit_free in any case. */
+int fit_read(struct fit_setup *s);
+void fit_free(struct fit_setup *s);
+
+/* The unknown's value where it is u, and back. */
+double fit_value(const struct fit_unknown *k, double u);
+double fit_u(const struct fit_unknown *k, double value);
+
+#endif

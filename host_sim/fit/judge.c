@@ -1,0 +1,190 @@
+/* judge.c - see judge.h. */
+#include "host_sim/fit/judge.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include "host_sim/fit/problem.h"
+#include "host_sim/cli/unit.h"
+
+static const double chi2_most = 4.0;
+static const double far = 10.0; /* standard deviations: a point beside a jump that is on its other side */
+static const double chi2_deviations = 4.0; /* above its mean: told */
+static const double worst_most = 5.0;
+static const double runs_least = -4.0; /* fewer runs are told */
+
+static void add(int *n, char (*text)[JUDGE_TEXT], const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void add(int *n, char (*text)[JUDGE_TEXT], const char *format, ...)
+{
+    va_list list;
+    if (*n == JUDGE_REASONS)
+        return;
+    va_start(list, format);
+    (void)vsnprintf(text[(*n)++], JUDGE_TEXT, format, list);
+    va_end(list);
+}
+
+/* Student's quantiles, by the first term of their series in 1/degrees of freedom. */
+double judge_quantile(const struct fit_setup *s, const struct fit_result *r, bool wide)
+{
+    double z = wide ? 1.959964 : 0.994458;
+    int freedom = r->n_numbers - s->n;
+    return s->noise_known || freedom < 1 ? z : z + (z * z * z + z) / (4.0 * freedom);
+}
+
+/* ---- residuals ---- */
+
+struct runs {
+    int runs, positive, negative;
+};
+
+/* The signs of the real (k 0) or imaginary parts along a curve; points that do not count are passed over. */
+static struct runs runs_of(const struct fit_setup *s, int c, int k, const double *r)
+{
+    struct runs t = {0};
+    bool was = false;
+    for (int i = 0; i < s->data.curve[c].n; i++) {
+        bool up = r[2 * i + k] > 0.0;
+        if (s->point[c][i].flank)
+            continue;
+        t.runs += t.positive + t.negative == 0 || up != was;
+        t.positive += up;
+        t.negative += !up;
+        was = up;
+    }
+    return t;
+}
+
+/* Runs of equal signs, against their number by chance (Wald and Wolfowitz 1940). */
+static double count_runs(const struct fit_setup *s, const double *r)
+{
+    double expected = 0.0, variance = 0.0;
+    int seen = 0;
+    for (int c = 0; c < s->data.n; r += 2 * s->data.curve[c].n, c++)
+        for (int k = 0; k < (s->data.curve[c].has_phase ? 2 : 1); k++) {
+            struct runs t = runs_of(s, c, k, r);
+            double a = t.positive, b = t.negative, n = a + b;
+            if (n < 2.0)
+                continue;
+            expected += 2.0 * a * b / n + 1.0;
+            variance += fmax(2.0 * a * b * (2.0 * a * b - n) / (n * n * (n - 1.0)), 0.0);
+            seen += t.runs;
+        }
+    return variance > 0.0 ? (seen - expected) / sqrt(variance) : 0.0;
+}
+
+static void find_worst(const struct fit_setup *s, const double *r, struct judged *j)
+{
+    for (int c = 0; c < s->data.n; c++)
+        for (int i = 0; i < s->data.curve[c].n; i++, r += 2) {
+            double size = fmax(fabs(r[0]), fabs(r[1]));
+            if (size > j->worst) {
+                j->worst = size;
+                j->worst_curve = c;
+                j->worst_point = i;
+            }
+        }
+}
+
+static void judge_residuals(struct fit_setup *s, const struct fit_result *r, struct judged *j)
+{
+    struct problem p = {s, PROBLEM_PLAIN};
+    double *residual = calloc((size_t)s->n_residuals + 1, sizeof *residual);
+    if (!residual)
+        return;
+    (void)problem_residuals(&p, r->u, residual);
+    j->runs = count_runs(s, residual);
+    find_worst(s, residual, j);
+    free(residual);
+    j->chi2_each = r->chi2 / (r->n_numbers - s->n);
+    if (!(j->chi2_each <= chi2_most))
+        add(&j->n, j->reason, "chi^2 per number is %.3g, above %g: this plant does not give these data%s",
+            j->chi2_each, chi2_most, s->noise_known ? ", or the noise is larger than said" : "");
+    double above = (j->chi2_each - 1.0) * sqrt(0.5 * (r->n_numbers - s->n));
+    if (s->noise_known && j->chi2_each <= chi2_most && above > chi2_deviations)
+        add(&j->n_notes, j->note,
+            "chi^2 is %.1f standard deviations above what this noise gives: the rig is not quite this plant, "
+            "or "
+            "its noise is larger",
+            above);
+    if (j->worst > worst_most)
+        add(&j->n_notes, j->note,
+            "the worst point is %.1f standard deviations off: look at it, or at the model", j->worst);
+    if (j->runs < runs_least)
+        add(&j->n_notes, j->note,
+            "the residuals are not white (%.1f standard deviations): something in the rig is not in the "
+            "model, and the "
+            "intervals are too narrow",
+            -j->runs);
+}
+
+/* ---- motions ---- */
+
+/* Is this point on another branch than the sweep's direction leads to? */
+static bool astray(const struct fit_setup *s, const struct fit_result *r, int c, int i)
+{
+    const struct fit_point *p = &s->point[c][i];
+    return p->other || (p->flank && problem_miss(s, r->u, &s->data.curve[c], i, &p->at) > far);
+}
+
+/* One such point beside a jump is told; more are refused. */
+static void judge_jumps(const struct fit_setup *s, const struct fit_result *r, struct judged *j)
+{
+    for (int c = 0; c < s->data.n; c++) {
+        const struct curve *curve = &s->data.curve[c];
+        int n = 0, first = -1;
+        for (int i = 0; i < curve->n; i++) {
+            first = first < 0 && astray(s, r, c, i) ? i : first;
+            n += astray(s, r, c, i);
+        }
+        if (n == 1)
+            add(&j->n_notes, j->note,
+                "%s: at %.6g Hz the rig is on one side of its jump, and the fitted plant on the other",
+                curve->path, curve->point[first].frequency_Hz);
+        if (n > 1)
+            add(&j->n, j->reason,
+                "%s: a jump is on the wrong side: %d points from %.6g Hz on are on the other branch than the "
+                "fitted "
+                "plant, swept %s",
+                curve->path, n, curve->point[first].frequency_Hz, curve->down ? "down" : "up");
+    }
+}
+
+/* ---- unknowns ---- */
+
+static void judge_bounds(const struct fit_setup *s, const struct fit_result *r, struct judged *j)
+{
+    double wide = judge_quantile(s, r, true);
+    for (int k = 0; k < s->n; k++) {
+        const struct fit_unknown *x = &s->unknown[k];
+        double low = r->u[k] - wide * r->sd[k], high = r->u[k] + wide * r->sd[k];
+        double least = fit_u(x, x->min), most = fit_u(x, x->max);
+        if (low <= least || high >= most)
+            add(&j->n, j->reason,
+                "the interval of %s reaches the bound of its range, %g to %g%s%s: the data do not tell it",
+                x->name, x->min, x->max, *x->unit ? " " : "", x->unit);
+    }
+}
+
+static void judge_starts(const struct fit_result *r, struct judged *j)
+{
+    int elsewhere = r->starts - r->agree - r->worse;
+    if (elsewhere > 0)
+        add(&j->n, j->reason, "%d of %d starts end elsewhere and fit as well: the data allow several plants",
+            elsewhere, r->starts);
+    else if (r->agree < 2 && r->starts > 1)
+        add(&j->n, j->reason, "no second start of %d ends here: this may be a wrong minimum", r->starts);
+    if (r->interrupted)
+        add(&j->n, j->reason, "interrupted after %d of %d starts", r->starts, FIT_STARTS);
+}
+
+void judge_fit(struct fit_setup *s, const struct fit_result *r, struct judged *j)
+{
+    *j = (struct judged){.worst = 0.0};
+    judge_residuals(s, r, j);
+    judge_jumps(s, r, j);
+    judge_bounds(s, r, j);
+    judge_starts(r, j);
+}

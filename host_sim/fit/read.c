@@ -1,0 +1,265 @@
+/* read.c - the command line of contactplant fit: scene, data, unknowns. */
+#include "host_sim/fit/fit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/fit/noise.h"
+#include "host_sim/fit/problem.h"
+#include "host_sim/scene/scene_load.h"
+#include "models/math/elementary.h"
+
+enum { FEW = 6 /* parameters that are all free where none is named */ };
+static const double tol_most = 1e-9;
+static const double least_of_start = 1e-9; /* a number that may be 0 stays above this share of its start */
+
+static const struct chain_unknown {
+    const char *name, *unit;
+    enum fit_kind kind;
+    double min, max, start;
+} chain[] = {
+    {"gain.force", "", FIT_GAIN_FORCE, 1e-3, 1e3, 1.0},
+    {"gain.sensor", "", FIT_GAIN_SENSOR, 1e-3, 1e3, 1.0},
+    {"delay", "s", FIT_DELAY, -1.0, 1.0, 0.0},
+};
+enum { CHAIN = sizeof chain / sizeof chain[0] };
+
+#define misuse(s, ...) options_misuse((s)->o.usage, __VA_ARGS__)
+
+/* ---- scene ---- */
+
+static int read_scene(struct fit_setup *s)
+{
+    char why[SCENE_REASON];
+    s->name = s->o.word[0];
+    if (scene_load_cold(s->name, &s->scene, why) == SCENE_OF_NOTHING)
+        return misuse(s, "%s", why);
+    if (s->scene.paper)
+        return misuse(s, "%s has the numbers of a paper; give a scene with a [plant] in SI", s->name);
+    if (s->scene.model->n_states > ORBIT_STATES)
+        return misuse(s, "%s: a fit does not take the model %s", s->name, s->scene.model->name);
+    const struct method *method = method_find(s->scene.method);
+    s->task = (struct orbit_task){
+        .model = s->scene.model, .method = method, .tol = fmin(s->scene.tolerance, tol_most)};
+    s->task.scratch = calloc(method->n_scratch(s->scene.model) + 1, sizeof *s->task.scratch);
+    return s->task.scratch ? 0 : options_failure(s->o.usage, "out of memory");
+}
+
+/* ---- unknowns ---- */
+
+/* The parameter of this name; its index. */
+static int find_parameter(const struct fit_setup *s, const char *name, size_t n, struct scene_range *r,
+                          int *index)
+{
+    struct scene_range_names also = {.n = CHAIN};
+    for (int i = 0; i < CHAIN; i++)
+        also.name[i] = chain[i].name;
+    int status = scene_range_find(s->o.usage, &s->scene, name, n, &also, r);
+    if (!status && r->input >= 0)
+        return misuse(s, "%.*s belongs to a drive, which the data name; no unknown", (int)n, name);
+    *index = (int)((r->key.offset - offsetof(struct scene, value)) / sizeof(double));
+    return status;
+}
+
+static int add_unknown(struct fit_setup *s, const struct fit_unknown *k)
+{
+    if (s->n == FIT_UNKNOWNS)
+        return misuse(s, "more than %d unknowns; hold some", FIT_UNKNOWNS);
+    for (int i = 0; i < s->n; i++)
+        if (!strcmp(s->unknown[i].name, k->name))
+            return misuse(s, "--free: %s is there twice; give it once", k->name);
+    s->unknown[s->n++] = *k;
+    return 0;
+}
+
+static int add_parameter(struct fit_setup *s, const struct scene_range *r, int index)
+{
+    double start = s->scene.value[index];
+    struct fit_unknown k = {.kind = FIT_PARAMETER,
+                            .index = index,
+                            .unit = r->key.unit,
+                            .min = r->key.min,
+                            .max = r->key.max,
+                            .start = start};
+    if (!(start > 0.0))
+        return misuse(s, "%s is %g in the scene, and is fitted in logarithms; give it a start above 0",
+                      r->key.name, start);
+    snprintf(k.name, sizeof k.name, "%s", r->key.name);
+    k.min = fmax(k.min, least_of_start * start);
+    return add_unknown(s, &k);
+}
+
+static int add_chain(struct fit_setup *s, const struct chain_unknown *c)
+{
+    const struct curve *smallest = &s->data.curve[0];
+    double middle = smallest->point[smallest->n / 2].frequency_Hz;
+    struct fit_unknown k = {.kind = c->kind,
+                            .unit = c->unit,
+                            .min = c->min,
+                            .max = c->max,
+                            .start = c->start,
+                            .unit_of_u = 1.0 / (2.0 * ELEMENTARY_PI * middle)};
+    snprintf(k.name, sizeof k.name, "%s", c->name);
+    return add_unknown(s, &k);
+}
+
+static int add_named(struct fit_setup *s, const char *name, size_t n, const bool *held)
+{
+    struct scene_range r;
+    int index;
+    for (int i = 0; i < CHAIN; i++)
+        if (strlen(chain[i].name) == n && !strncmp(chain[i].name, name, n))
+            return add_chain(s, &chain[i]);
+    int status = find_parameter(s, name, n, &r, &index);
+    if (!status && held[index])
+        return misuse(s, "%s is both in --free and in --hold; give one of the two", r.key.name);
+    return status ? status : add_parameter(s, &r, index);
+}
+
+/* mass,stiffness,.. */
+static int read_free(struct fit_setup *s, const bool *held)
+{
+    const char *at = options_text(&s->o, "free", 0);
+    int status = 0;
+    for (bool more = true; more && !status;) {
+        size_t n = strcspn(at, ",");
+        while (n && *at == ' ')
+            at++, n--;
+        if (!n)
+            return misuse(s, "--free %s: write names with commas between", options_text(&s->o, "free", 0));
+        status = add_named(s, at, n, held);
+        more = at[n] == ',';
+        at += n + more;
+    }
+    return status;
+}
+
+/* All parameters that are not held. */
+static int free_all(struct fit_setup *s, const bool *held)
+{
+    const struct model *m = s->scene.model;
+    struct scene_range r;
+    int status = 0, index;
+    if (m->n_parameters > FEW)
+        return misuse(s, "%s has %d numbers: name the unknowns, --free NAME,..", m->name, m->n_parameters);
+    for (int i = 0; i < m->n_parameters && !status; i++) {
+        if (held[i])
+            continue;
+        const char *name = m->parameter[i].name;
+        status = find_parameter(s, name, strlen(name), &r, &index);
+        status = status ? status : add_parameter(s, &r, index);
+    }
+    return status;
+}
+
+static int read_held(struct fit_setup *s, bool *held)
+{
+    int status = 0, index;
+    for (int i = 0; i < options_count(&s->o, "hold") && !status; i++) {
+        const char *text = options_text(&s->o, "hold", i);
+        struct scene_range r;
+        if (!strchr(text, '='))
+            return misuse(s, "--hold %s: write NAME=VALUE with its unit", text);
+        status = find_parameter(s, text, strcspn(text, "="), &r, &index);
+        status = status ? status : scene_range_setting(s->o.usage, &s->scene, text, NULL);
+        if (!status)
+            held[index] = true;
+    }
+    return status;
+}
+
+static int read_unknowns(struct fit_setup *s)
+{
+    bool held[MODEL_PARAMETERS] = {false};
+    int status = read_held(s, held);
+    if (status)
+        return status;
+    status = options_given(&s->o, "free") ? read_free(s, held) : free_all(s, held);
+    if (!status && !s->n)
+        return misuse(s, "nothing is unknown: every number is held");
+    return status;
+}
+
+/* ---- data ---- */
+
+/* The smallest drive first. */
+static void sort_curves(struct curves *c)
+{
+    for (int i = 1; i < c->n; i++)
+        for (int k = i; k > 0 && c->curve[k].amplitude < c->curve[k - 1].amplitude; k--) {
+            struct curve was = c->curve[k];
+            c->curve[k] = c->curve[k - 1];
+            c->curve[k - 1] = was;
+        }
+}
+
+static int read_data(struct fit_setup *s)
+{
+    int n = options_count(&s->o, "sweep"), status = 0;
+    if (!n)
+        return misuse(s, "no data: give a response curve, --sweep FILE");
+    for (int i = 0; i < n && !status; i++)
+        status = curves_read(s->o.usage, options_text(&s->o, "sweep", i), &s->scene, &s->data);
+    if (status)
+        return status;
+    sort_curves(&s->data);
+    noise_assume(s);
+    return 0;
+}
+
+static int make_room(struct fit_setup *s)
+{
+    int numbers = 0;
+    for (int c = 0; c < s->data.n; c++) {
+        const struct curve *curve = &s->data.curve[c];
+        s->n_residuals += 2 * curve->n;
+        numbers += (curve->has_phase ? 2 : 1) * curve->n;
+        s->point[c] = calloc((size_t)curve->n, sizeof *s->point[c]);
+        if (!s->point[c])
+            return options_failure(s->o.usage, "out of memory");
+    }
+    if (numbers <= s->n)
+        return misuse(s, "%d numbers for %d unknowns: measure more points, or hold some unknowns", numbers,
+                      s->n);
+    return 0;
+}
+
+/* The plant as it starts must run where the data are. */
+static int check_start(struct fit_setup *s)
+{
+    double u[FIT_UNKNOWNS];
+    struct orbit_task t;
+    struct harmonic drive[MODEL_INPUTS];
+    scenes_resolve(&s->scene, s->task.si, drive);
+    for (int k = 0; k < s->n; k++)
+        u[k] = fit_u(&s->unknown[k], s->unknown[k].start);
+    for (int c = 0; c < s->data.n; c++) {
+        const struct curve *curve = &s->data.curve[c];
+        (void)problem_task(s, c, u, &t);
+        for (int i = 0; i < 2; i++) {
+            double frequency = curve->point[i ? curve->n - 1 : 0].frequency_Hz;
+            const char *why = orbit_refused(&t, frequency);
+            if (why)
+                return misuse(s, "%s at %.6g Hz: the scene's plant does not run there: %s", curve->path,
+                              frequency, why);
+        }
+    }
+    return 0;
+}
+
+int fit_read(struct fit_setup *s)
+{
+    int status = read_scene(s);
+    status = status ? status : read_data(s);
+    status = status ? status : read_unknowns(s);
+    status = status ? status : make_room(s);
+    return status ? status : check_start(s);
+}
+
+void fit_free(struct fit_setup *s)
+{
+    for (int c = 0; c < s->data.n; c++)
+        free(s->point[c]);
+    curves_free(&s->data);
+    free(s->task.scratch);
+}

@@ -1,0 +1,223 @@
+/* starts.c - see starts.h.
+ *
+ * The first start is that of the linear form. The smallest curve leaves one direction of the unknowns nearly
+ * free, for a rig the one that keeps its linear stiffness. Fits begin at the best places along this line, and
+ * beside them. */
+#include "host_sim/fit/starts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/cli/clock.h"
+#include "host_sim/fit/noise.h"
+#include "host_sim/fit/problem.h"
+#include "host_sim/fit/progress.h"
+
+enum { LINE = 41, MINIMA = 4 };
+static const double line_most = 2.3; /* a factor of 10 */
+static const double line_least = 0.05;
+static const double deviations = 20.0; /* deviations of the weak direction, along the line */
+static const double beside = 0.2;      /* further starts, from the best place */
+static const double passed_by = 0.1;   /* cost and every unknown: two fits that have come to one place */
+static const double same_u = 0.1;      /* in standard deviations: one minimum */
+static const double same_chi2 = 4.0;   /* another minimum as good, to two standard deviations */
+
+/* The direction in which the smallest curve says least, its largest component 1. Returns how far to look. */
+static double weak_direction(struct fit_setup *s, const double *u, double *direction)
+{
+    struct problem p = {s, PROBLEM_LINEAR};
+    double value[MATRIX_MAX], v[MATRIX_MAX][MATRIX_MAX], most = 0.0;
+    int m = 2 * s->data.curve[0].n, n = s->n;
+    double *a = calloc((size_t)m * (size_t)n, sizeof *a);
+    if (!a)
+        return 0.0;
+    problem_slopes(&p, u, a);
+    int chain = 0;
+    for (int k = 0; k < n; k++) {
+        chain += s->unknown[k].kind != FIT_PARAMETER;
+        for (int i = 0; i < m && s->unknown[k].kind != FIT_PARAMETER; i++)
+            a[i * n + k] = 0.0;
+    }
+    matrix_singular(m, n, a, value, v);
+    free(a);
+    int weak = n - 1 - chain;
+    if (weak < 0)
+        return 0.0;
+    for (int k = 0; k < n; k++)
+        most = fmax(most, fabs(v[k][weak]));
+    for (int k = 0; k < n; k++)
+        direction[k] = v[k][weak] / most;
+    return fmin(line_most, fmax(line_least, value[weak] > 0.0 ? deviations / value[weak] : line_most));
+}
+
+/* Up to MINIMA of the best places along the line, the best first, into place[]. Returns how many. */
+static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT_UNKNOWNS])
+{
+    struct problem p = {s, PROBLEM_ROBUST};
+    double direction[FIT_UNKNOWNS] = {0.0}, cost[LINE], at[LINE][FIT_UNKNOWNS];
+    double reach = weak_direction(s, u, direction);
+    double *r = calloc((size_t)s->n_residuals + 1, sizeof *r);
+    int n = 0;
+    for (int i = 0; r && i < LINE; i++) {
+        for (int k = 0; k < s->n; k++)
+            at[i][k] = u[k] + reach * direction[k] * (2.0 * i / (LINE - 1) - 1.0);
+        cost[i] = clock_interrupted() ? HUGE_VAL : problem_residuals(&p, at[i], r);
+        progress_tell(s, "looks for starts", i + 1, LINE);
+    }
+    for (bool found = r; found && n < MINIMA;) {
+        int best = -1;
+        for (int i = 0; i < LINE; i++) {
+            bool low = isfinite(cost[i]) && (i == 0 || !(cost[i - 1] < cost[i])) &&
+                       (i == LINE - 1 || !(cost[i + 1] < cost[i]));
+            best = low && (best < 0 || cost[i] < cost[best]) ? i : best;
+        }
+        found = best >= 0;
+        if (found) {
+            memcpy(place[n++], at[best], sizeof at[best]);
+            for (int i = best > 0 ? best - 1 : 0; i <= best + 1 && i < LINE; i++)
+                cost[i] = i == best ? HUGE_VAL : cost[i];
+        }
+    }
+    free(r);
+    return n;
+}
+
+/* Further starts: each unknown of the best place is moved one way or the other. */
+static void add_beside(const struct fit_setup *s, double (*place)[FIT_UNKNOWNS], int n)
+{
+    for (int i = n; i < FIT_STARTS; i++)
+        for (int k = 0; k < s->n; k++) {
+            double moved = place[0][k] + ((i - n) >> k & 1 ? -beside : beside);
+            place[i][k] = s->unknown[k].kind == FIT_PARAMETER ? moved : place[0][k];
+        }
+}
+
+bool starts_spread(struct fit_setup *s, struct fit_result *r)
+{
+    struct problem p = {s, PROBLEM_PLAIN};
+    double *a = calloc((size_t)(s->n_residuals + 1) * (size_t)s->n, sizeof *a);
+    if (!a)
+        return false;
+    problem_slopes(&p, r->u, a);
+    matrix_singular(s->n_residuals, s->n, a, r->s, r->v);
+    free(a);
+    for (int i = 0; i < s->n; i++)
+        for (int k = 0; k < s->n; k++) {
+            r->covariance[i][k] = 0.0;
+            for (int d = 0; d < s->n; d++)
+                r->covariance[i][k] += r->v[i][d] * r->v[k][d] / fmax(r->s[d] * r->s[d], 1e-24);
+        }
+    for (int k = 0; k < s->n; k++)
+        r->sd[k] = sqrt(r->covariance[k][k]);
+    return true;
+}
+
+/* The ends of the starts so far. */
+struct ends {
+    double robust[FIT_STARTS], passed[FIT_STARTS][FIT_UNKNOWNS]; /* cost and place of the robust form */
+    double chi2[FIT_STARTS];
+    int best; /* or -1 */
+};
+
+/* The start before i that has come by the same place, or -1. */
+static int came_by(const struct fit_setup *s, const struct ends *e, int i)
+{
+    for (int b = 0; b < i; b++) {
+        double off = fabs(e->robust[b] - e->robust[i]);
+        for (int k = 0; k < s->n; k++)
+            off = fmax(off, fabs(e->passed[b][k] - e->passed[i][k]));
+        if (off < passed_by)
+            return b;
+    }
+    return -1;
+}
+
+/* The fit from place i: curves enter in the order of their drives. One that comes by an earlier one's place
+ * ends with that, and one that is worse than the best fit even in the robust form ends there. */
+static double fit_from(struct fit_setup *s, struct ends *e, int i, double (*place)[FIT_UNKNOWNS])
+{
+    int steps, all = s->data.n;
+    for (s->n_active = all > 1 ? 2 : 1; s->n_active <= all; s->n_active++)
+        e->robust[i] = problem_solve(s, PROBLEM_ROBUST, place[i], &steps);
+    s->n_active = all;
+    memcpy(e->passed[i], place[i], sizeof e->passed[i]);
+    int before = came_by(s, e, i);
+    if (before >= 0) {
+        memcpy(place[i], place[before], sizeof place[i]);
+        return e->chi2[before];
+    }
+    if (e->best >= 0 && e->robust[i] > e->chi2[e->best] + same_chi2)
+        return e->robust[i];
+    return problem_solve(s, PROBLEM_PLAIN, place[i], &steps);
+}
+
+/* Which of the ends agree with the best one, by its own spread. */
+static void compare_ends(const struct fit_setup *s, struct fit_result *r, double (*end)[FIT_UNKNOWNS],
+                         const double *chi2)
+{
+    for (int i = 0; i < r->starts; i++) {
+        double off = 0.0;
+        for (int k = 0; k < s->n; k++)
+            off = fmax(off, fabs(end[i][k] - r->u[k]) / r->sd[k]);
+        r->agree += off < same_u;
+        r->worse += off >= same_u && chi2[i] > r->chi2 + same_chi2;
+    }
+}
+
+/* Fits from every place until the user stops. */
+static void fit_all(struct fit_setup *s, struct fit_result *r, struct ends *e, double (*place)[FIT_UNKNOWNS])
+{
+    e->best = -1;
+    for (; r->starts < FIT_STARTS && !(e->best >= 0 && clock_interrupted()); r->starts++) {
+        int i = r->starts;
+        e->chi2[i] = fit_from(s, e, i, place);
+        if (isfinite(e->chi2[i]) && (e->best < 0 || e->chi2[i] < e->chi2[e->best]))
+            e->best = i;
+        progress_tell(s, "fits from start", i + 1, FIT_STARTS);
+    }
+    r->interrupted = r->starts < FIT_STARTS;
+}
+
+/* The motions, residuals and spread of the result. */
+static bool look(struct fit_setup *s, struct fit_result *r)
+{
+    struct problem p = {s, PROBLEM_PLAIN};
+    double *residual = calloc((size_t)s->n_residuals + 1, sizeof *residual);
+    if (!residual)
+        return false;
+    (void)problem_residuals(&p, r->u, residual);
+    (void)noise_estimate(s, residual);
+    r->chi2 = problem_residuals(&p, r->u, residual);
+    free(residual);
+    return starts_spread(s, r);
+}
+
+bool starts_fit(struct fit_setup *s, struct fit_result *r)
+{
+    double u[FIT_UNKNOWNS], place[FIT_STARTS][FIT_UNKNOWNS];
+    struct ends e;
+    int steps;
+    *r = (struct fit_result){.chi2 = HUGE_VAL};
+    for (int k = 0; k < s->n; k++)
+        u[k] = fit_u(&s->unknown[k], s->unknown[k].start);
+    s->n_active = s->data.n;
+    (void)problem_solve(s, PROBLEM_LINEAR, u, &steps);
+    int n = search_line(s, u, place);
+    if (!n)
+        return false;
+    add_beside(s, place, n);
+    fit_all(s, r, &e, place);
+    if (e.best < 0)
+        return false;
+    memcpy(r->u, place[e.best], sizeof r->u);
+    double before = e.chi2[e.best];
+    if (!look(s, r))
+        return false;
+    for (int i = 0; i < r->starts; i++)
+        e.chi2[i] *= before > 0.0 ? r->chi2 / before : 1.0;
+    compare_ends(s, r, place, e.chi2);
+    for (int c = 0; c < s->data.n; c++)
+        for (int i = 0; i < s->data.curve[c].n; i++)
+            r->n_numbers += s->point[c][i].flank ? 0 : s->data.curve[c].has_phase ? 2 : 1;
+    return true;
+}

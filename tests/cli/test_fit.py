@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""test_fit.py PROGRAM - contactplant fit: numbers of a rig whose curves another integrator made (tests/fit/rig_curves.c), what the data give
+only together, every refusal, and files. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+import cmath
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import zlib
+
+here = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(here, "../house"))
+from verdicts import check, conclude, verdict  # noqa: E402
+
+program = os.path.abspath(sys.argv[1])
+data = os.path.join(here, "../../docs/examples/fit")
+TRUE = {"mass": 6.1, "stiffness": 3.9e9, "preload": 80.0, "damping": 150.0}  # of docs/examples/fit/*.csv
+directory = tempfile.mkdtemp(prefix="contactplant-fit-")
+small, large = (open(os.path.join(data, name)).read() for name in ("small.csv", "large.csv"))
+
+
+def put(name, text):
+    with open(os.path.join(directory, name), "w") as f:
+        f.write(text)
+    return name
+
+
+def exists(name):
+    return os.path.exists(os.path.join(directory, name))
+
+
+def run(*words):
+    return subprocess.run([program, *words], capture_output=True, text=True, cwd=directory, timeout=120)
+
+
+def fit(*words):
+    return run("fit", "rig.ini", *words)
+
+
+def table(text):
+    """name: (value, half the 95 % interval), relative."""
+    rows = re.findall(r"^  (\S+) +(\S+) ?(\S.*?)? +\+- (\S+) % +\+- (\S+) %", text, re.M)
+    return {name: (float(value), float(wide) / 100) for name, value, _, _, wide in rows if value != "unknown"}
+
+
+def off(text):
+    """The largest error in half widths of its 95 % interval."""
+    got = table(text)
+    return max(abs(math.log(got[k][0] / TRUE[k])) / got[k][1] for k in got if k in TRUE)
+
+
+def told(r):
+    return (r.stdout + r.stderr)[-700:]
+
+
+def test_numbers():
+    r = fit("--sweep", "small.csv", "--sweep", "large.csv", "--out", "fitted.ini")
+    got = table(r.stdout)
+    verdict("two curves: status 0, nothing on stderr", r.returncode == 0 and not r.stderr, told(r))
+    check("the rig's numbers lie within 1.5 half widths of 95 %", len(got) == 4 and off(r.stdout) < 1.5, "%.2f" % off(r.stdout))
+    check("the intervals are below 1 %", max(w for _, w in got.values()) < 0.01, got)
+    text = open(os.path.join(directory, "fitted.ini")).read()
+    crc = "%08x" % zlib.crc32((small + large).encode())
+    verdict("--out has the CRC-32 of both files", "command: " + crc in text, text[:400])
+    verdict("  and the interval of each unknown", all(re.search(r"^# %s = .* 95 %% from .* to " % k, text, re.M) for k in TRUE), text[:600])
+    verdict("  and is a scene", run("scene", "fitted.ini").returncode == 0 and "mass = 6.09" in text, text)
+    again = run("fit", "fitted.ini", "--sweep", "small.csv", "--sweep", "large.csv")
+    verdict("a fit from the fitted scene ends at the same numbers", table(again.stdout) == got, told(again))
+    far = put("far.ini", "[plant]\nmodel = hertz_rig\nmass = 12 kg\nstiffness = 2e9 N/m^1.5\npreload = 150 N\ndamping = 80 N s/m\n")
+    again = run("fit", far, "--sweep", "small.csv", "--sweep", "large.csv")
+    verdict("and from one that is off by factors of two", table(again.stdout) == got and again.returncode == 0, told(again))
+
+
+def test_together():
+    r = fit("--sweep", "small.csv")
+    words = re.search(r"these data give stiffness\^2 preload to (\S+) %; stiffness and preload apart only to (\S+) % and (\S+) %", r.stdout)
+    verdict("one small curve: what it gives only together", words and float(words[1]) < 1 and float(words[2]) > 2 and float(words[3]) > 4, told(r))
+    further = re.search(r"a further sweep at (.*), with the same noise, would give stiffness and preload to (\S+) % and (\S+) %", r.stdout)
+    verdict("  and which sweep would part them", further and float(further[3]) < 0.3 * float(words[3]), told(r))
+    r = fit("--sweep", "small.csv", "--hold", "preload=80 N")
+    got = table(r.stdout)
+    verdict("with the preload held it gives the stiffness", r.returncode == 0 and got["stiffness"][1] < 0.01 and off(r.stdout) < 1.5, told(r))
+    r = fit("--sweep", "small.csv", "--sweep", "large.csv", "--free", "mass,stiffness,preload,damping,gain.force", "--out", "gain.ini")
+    verdict("with a free gain of the force: unknown, status 1, no file",
+            r.returncode == 1 and r.stdout.count("unknown ") >= 5 and "hold one of them" in r.stdout and "reaches the bound" in r.stderr and not exists("gain.ini"), told(r))
+    r = fit("--sweep", "small.csv", "--sweep", "large.csv", "--free", "stiffness,preload,damping,gain.sensor,delay", "--hold", "mass=6.1 kg")
+    verdict("with the mass held, gain of the sensor and delay are told", r.returncode == 0 and abs(table(r.stdout)["gain.sensor"][0] - 1) < 0.01 and off(r.stdout) < 1.5, told(r))
+
+
+def rows_with(text, change):
+    """Each row's cells through `change`."""
+    lines = text.splitlines()
+    head = [i for i, line in enumerate(lines) if line.startswith("frequency")][0]
+    return "\n".join(lines[:head + 1] + [",".join(change(*map(float, line.split(",")))) for line in lines[head + 1:]]) + "\n"
+
+
+def test_forms():
+    wanted = table(fit("--sweep", "small.csv", "--hold", "preload=80 N").stdout)
+
+    def same(name, text):
+        put("form.csv", text)
+        r = fit("--sweep", "form.csv", "--hold", "preload=80 N")
+        got = table(r.stdout)
+        verdict(name, r.returncode == 0 and all(abs(got[k][0] / wanted[k][0] - 1) < 2e-4 for k in wanted), told(r))
+
+    same("degrees and micrometres that are said", rows_with(small.replace("frequency_Hz,amplitude_m,phase_rad", "frequency_Hz,amplitude_um,phase_deg"),
+                                                            lambda f, a, p: ("%.9g" % f, "%.9g" % (a * 1e6), "%.9g" % math.degrees(p))))
+    same("real and imaginary part over the drive", rows_with(small.replace("frequency_Hz,amplitude_m,phase_rad", "frequency_Hz,re_um_per_N,im_um_per_N"),
+                                                             lambda f, a, p: ("%.9g" % f, "%.9g" % (a * 1e6 * math.cos(p) / 0.3), "%.9g" % (a * 1e6 * math.sin(p) / 0.3))))
+    for n, (output, column) in enumerate((("velocity", "amplitude_m_per_s"), ("acceleration", "amplitude_m_per_s^2")), 1):
+        same("a curve of the " + output, rows_with(small.replace("output = displacement", "output = " + output).replace("amplitude_m,", column + ","),
+                                                   lambda f, a, p, n=n: ("%.9g" % f, "%.9g" % (a * (2 * math.pi * f) ** n), "%.9g" % (p + n * math.pi / 2))))
+    same("sigma in a column", rows_with(small.replace("# noise = 1 %\n", "").replace("phase_rad", "phase_rad,sigma_nm"),
+                                        lambda f, a, p: ("%.9g" % f, "%.9g" % a, "%.9g" % p, "%.9g" % (a * 1e7))))
+    put("form.csv", small.replace("\n", "\r\n").replace("# noise = 1 %\r\n", ""))
+    r = fit("--sweep", "form.csv", "--hold", "preload=80 N")
+    got = table(r.stdout)
+    verdict("without its noise, which the residuals tell", "do not say their noise" in r.stdout and r.returncode == 0 and
+            all(0.7 < got[k][1] / wanted[k][1] < 1.4 for k in wanted), told(r))
+    plain = rows_with(small.replace(",phase_rad", ""), lambda f, a, p: ("%.9g" % f, "%.9g" % a))
+    put("form.csv", plain)
+    r = fit("--sweep", "form.csv", "--hold", "preload=80 N")
+    verdict("amplitudes without phase", r.returncode == 0 and off(r.stdout) < 1.5, told(r))
+
+
+def test_sweep():
+    run("sweep", "true.ini", "--sweep", "force.frequency=200:290:31", "--out", "rows.csv")
+    r = run("fit", "rig.ini", "--sweep", "rows.csv")
+    verdict("rows of contactplant sweep, up and down: the scene's numbers", r.returncode == 0 and "2 curves" in r.stdout and
+            all(abs(table(r.stdout)[k][0] / TRUE[k] - 1) < 2e-3 for k in TRUE), told(r))
+
+
+def test_refused():
+    loud = rows_with(small, lambda f, a, p: ("%.9g" % f, "%.9g" % (a * (1 + 0.2 * math.sin(40 * f))), "%.9g" % p))
+    put("loud.csv", loud)
+    r = fit("--sweep", "loud.csv", "--hold", "preload=80 N", "--out", "no.ini")
+    verdict("noise above what is said: chi^2, status 1, no file", r.returncode == 1 and "chi^2 per number" in r.stderr and not exists("no.ini"), told(r))
+    r = fit("--sweep", "loud.csv", "--hold", "preload=80 N", "--out", "forced.ini", "--force")
+    text = open(os.path.join(directory, "forced.ini")).read() if exists("forced.ini") else ""
+    verdict("--force writes it, with the reason", r.returncode == 1 and "# NOT TO BE BELIEVED: chi^2" in text, told(r))
+    turned = put("turned.csv", large.replace("direction = down", "direction = up"))
+    r = fit("--sweep", "small.csv", "--sweep", turned, "--out", "no.ini")
+    verdict("a curve on the other side of its jump", r.returncode == 1 and "wrong side" in r.stderr and not exists("no.ini"), told(r))
+    scaled = rows_with(small.replace("amplitude = 0.3 N", "amplitude = 3 N"), lambda f, a, p: ("%.9g" % f, "%.9g" % (10 * a), "%.9g" % p))
+    put("scaled.csv", scaled)
+    r = fit("--sweep", "small.csv", "--sweep", "scaled.csv")
+    verdict("a rig that answers in proportion is told not to be this plant", "the rig is not quite this plant" in r.stdout, told(r))
+    for name, force in (("l1.csv", 0.3), ("l2.csv", 3)):
+        put(name, linear(force))
+    r = fit("--sweep", "l1.csv", "--sweep", "l2.csv", "--out", "linear.ini")
+    verdict("a linear rig: refused", r.returncode == 1 and not exists("linear.ini"), told(r))
+
+
+def linear(force):
+    """A rig with a linear spring: F/(k - m w^2 + i w c)."""
+    rows = ["# amplitude = %g N\n# output = displacement\n# noise = 1 %%\nfrequency_Hz,amplitude_m,phase_rad" % force]
+    for i in range(52):
+        w = 2 * math.pi * (150 + i / 51 * 170)
+        y = force / (1.6e7 - 6.1 * w * w + 150j * w) * (1 + 0.01 * math.sin(12.9 * i * i) + 0.01j * math.sin(7.7 * i * i + force))
+        rows.append("%.9g,%.9g,%.9g" % (w / 2 / math.pi, abs(y), cmath.phase(y)))
+    return "\n".join(rows) + "\n"
+
+
+HEAD = "# amplitude = 3 N\n# noise = 1 %\nfrequency_Hz,amplitude_m,phase_rad\n"
+BAD = (
+    ("empty file", "", 1, "no header"),
+    ("no rows", HEAD, 4, "no data"),
+    ("unit missing", HEAD.replace("amplitude_m,", "amplitude,") + "1,1,1\n", "3:14", "unit is missing"),
+    ("unit of frequency missing", HEAD.replace("frequency_Hz", "frequency") + "1,1,1\n", "3:1", "unit is missing"),
+    ("unit of another thing", HEAD.replace("amplitude_m,", "amplitude_kg,") + "1,1,1\n", "3:14", "no output has this unit"),
+    ("NaN", HEAD + "200,1e-6,0\n210,nan,0\n", "5:5", "not a finite number"),
+    ("infinite", HEAD + "200,1e-6,inf\n", "4:10", "not a finite number"),
+    ("no number", HEAD + "200, 1e-6x,0\n", "4:6", "not a finite number"),
+    ("empty cell", HEAD + "200,,0\n", "4:5", "empty cell"),
+    ("doubled frequency", HEAD + "200,1e-6,0\n200,1e-6,0\n", "5:1", "twice"),
+    ("unsorted", HEAD + "200,1e-6,0\n210,1e-6,0\n205,1e-6,0\n", "6:1", "not in order"),
+    ("degrees unsaid", HEAD + "200,1e-6,-90\n", "4:10", "looks like degrees"),
+    ("too few cells", HEAD + "200,1e-6\n", "4:5", "the header has 3"),
+    ("too many cells", HEAD + "200,1e-6,0,7\n", "4:12", "the header has 3"),
+    ("semicolons", HEAD.replace(",", ";") + "200;1e-6;0\n", 3, "write commas"),
+    ("amplitude unknown", HEAD.replace("# amplitude = 3 N\n", "") + "200,1e-6,0\n", 2, "amplitude of the drive is not known"),
+    ("amplitude without unit", HEAD.replace("3 N", "3") + "200,1e-6,0\n", 1, "unit is missing"),
+    ("amplitude 0", HEAD.replace("3 N", "0 N") + "200,1e-6,0\n", 1, "not above 0"),
+    ("response 0", HEAD + "200,0,0\n", "4:5", "not above 0"),
+    ("unknown key", "# ampltude = 3 N\n" + HEAD, 1, "did you mean amplitude"),
+    ("unknown output", "# output = displacment\n" + HEAD, 1, "did you mean displacement"),
+    ("unknown input", "# input = forse\n" + HEAD, 1, "did you mean force"),
+    ("unknown direction", "# direction = left\n" + HEAD, 1, "up or down"),
+    ("column twice", HEAD.replace("phase_rad", "amplitude_m") + "1,1,1\n", "3:26", "twice"),
+    ("one part of two", HEAD.replace("amplitude_m,phase_rad", "re_m_per_N") + "1,1\n", "3:14", "go together"),
+    ("fewer numbers than unknowns", HEAD + "200,1e-6,0\n210,1e-6,0\n", None, "4 numbers for 4 unknowns"),
+    ("a byte 0", HEAD + "200,1e-6\0,0\n", 4, "byte 0"),
+    ("a long line", HEAD + "2" * 9000 + ",1,1\n", 4, "more than"),
+)
+
+
+def test_bad_data():
+    for name, text, place, words in BAD:
+        put("bad.csv", text)
+        r = fit("--sweep", "bad.csv", "--out", "no.ini")
+        at = "bad.csv:%s: " % place if place else ""
+        verdict("bad data, %s: %s" % (name, words), r.returncode == 2 and r.stderr.count("\n") == 1 and at in r.stderr and words in r.stderr and not r.stdout and not exists("no.ini"), told(r))
+
+
+def test_bad_lines():
+    for words, why in ((("--hold", "preload"), "NAME=VALUE"), (("--free", "mas"), "did you mean mass"), (("--free", "mass,"), "commas between"), (("--free", "mass,mass"), "twice"),
+                       (("--free", "mass", "--hold", "mass=6 kg"), "both"), (("--free", "force.amplitude"), "belongs to a drive"), (("--hold", "mass=6 N"), "does not fit"),
+                       (("--free", "gain.forse"), "did you mean gain.force"), (("--out", "small.csv"), "read by this command")):
+        r = fit("--sweep", "small.csv", *words)
+        verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
+    for words, why in ((("rig.ini",), "no data"), ((), "missing"), (("bbp-fig2-force", "--sweep", "small.csv"), "paper"), (("tapping", "--sweep", "small.csv"), "does not take"),
+                       (("shaft_bearing", "--sweep", "small.csv"), "--free"), (("rig.ini", "--sweep", "none.csv"), "none.csv"), (("rig.ini", "--sweep", "."), ".")):
+        r = run("fit", *words)
+        verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
+
+
+for name in ("rig.ini", "small.csv", "large.csv"):
+    put(name, open(os.path.join(data, name)).read())
+put("true.ini", open(os.path.join(data, "rig.ini")).read().replace("6.5 kg", "6.1 kg").replace("3.4e9", "3.9e9").replace("64 N", "80 N").replace("188 N", "150 N"))
+test_numbers()
+test_together()
+test_forms()
+test_sweep()
+test_refused()
+test_bad_data()
+test_bad_lines()
+subprocess.run(["rm", "-rf", directory])
+conclude()
