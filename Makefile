@@ -105,6 +105,7 @@ $(LIB) $(HOST_LIB):
 link = @$(CC) $(CFLAGS) $(COVER) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 # The page of the scope is part of the program, as it is.
 $(BUILD)/host_sim/report/page.o: $(wildcard host_sim/report/page/*)
+$(BUILD)/host_sim/database/dissector.o: host_sim/database/dissector.lua
 $(BUILD)/contactplant: $(call obj,$(HOST_SRC)) $(LIB)
 	$(link)
 UNIT_OBJ := $(call obj,$(UNIT_SRC) $(PAPER_SRC) $(HOST_PARTS) linker/soft_sqrt.c)

@@ -25,6 +25,8 @@ int cmd_compare(int argc, char **argv);
 int cmd_list(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 int cmd_dbc(int argc, char **argv);
+int cmd_dissector(int argc, char **argv);
+int cmd_export(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);
 int cmd_choose(int argc, char **argv);
 int cmd_demo(int argc, char **argv);

@@ -3,7 +3,8 @@
 #include "host_sim/commands.h"
 #include "firmware/afm/codes.h"
 #include "firmware/afm/station.h"
-#include "host_sim/cli/dbc.h"
+#include "host_sim/database/dbc.h"
+#include "host_sim/database/dissector.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
@@ -39,6 +40,22 @@ static const struct usage dbc_usage = {
     .words_help = SCENE_WORDS_HELP,
     .examples = "  contactplant dbc > contactplant.dbc\n"
                 "  contactplant dbc --base-id 0x240 --dilation 100 --set preload_N=100 > rig2.dbc\n",
+    .max_words = 1,
+    .table = {scene_options},
+};
+
+static const struct usage dissector_usage = {
+    .name = "dissector",
+    .words = "[SCENE]",
+    .summary =
+        "Prints a dissector for Wireshark: the messages of a plant by name and unit, with checksum, missing\n"
+        "frames, refusals, and each answer beside its command; and the packets of cannelloni on UDP ports\n"
+        "20000 to 20003. Give the SCENE and options that contactplant run got. Put the file into the folder\n"
+        "~/.local/lib/wireshark/plugins, or name it by -X lua_script:FILE.",
+    .words_help = SCENE_WORDS_HELP,
+    .examples = "  contactplant dissector > contactplant.lua\n"
+                "  contactplant export run.log --out run.pcapng\n"
+                "  tshark -X lua_script:contactplant.lua -r run.pcapng -Y \"contactplant.cause != 0\"\n",
     .max_words = 1,
     .table = {scene_options},
 };
@@ -226,23 +243,35 @@ int cmd_scene(int argc, char **argv)
     return STATUS_DONE;
 }
 
-int cmd_dbc(int argc, char **argv)
+/* A table of the bus of a scene. */
+static int print_bus(const struct usage *u, int argc, char **argv,
+                     void (*print)(FILE *out, const struct bus_scene *s))
 {
     struct options o;
     struct scene_app s = {.scratch = NULL};
     char why[SCENE_REASON];
     int status;
-    if (!options_parse(&o, &dbc_usage, argc, argv, &status))
+    if (!options_parse(&o, u, argc, argv, &status))
         return status;
     if (!scene_from_options(&s, &o, 0))
         return STATUS_MISUSED;
     if (!scene_start(&s, NULL, why)) {
         scene_free(&s);
-        return options_misuse(&dbc_usage, "%s", why);
+        return options_misuse(u, "%s", why);
     }
-    const struct dbc_scene d = {
+    const struct bus_scene b = {
         .model = s.config.model, .wire = s.app.scene, .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation};
-    dbc_print(stdout, &d);
+    print(stdout, &b);
     scene_free(&s);
     return STATUS_DONE;
+}
+
+int cmd_dbc(int argc, char **argv)
+{
+    return print_bus(&dbc_usage, argc, argv, dbc_print);
+}
+
+int cmd_dissector(int argc, char **argv)
+{
+    return print_bus(&dissector_usage, argc, argv, dissector_print);
 }

@@ -1,4 +1,5 @@
-/* log.h - records the traffic of another hal as a candump log, and reads candump logs, those of others too.
+/* log.h - records the traffic of another hal as a candump log, and reads logs, those of others too: of
+ * candump, or pcapng (pcapng.h).
  *
  * It has one line per frame, `(seconds.micros) interface ID#DATA`. ID has 3 hex digits for an 11-bit
  * identifier and 8 for a 29-bit one, DATA two hex digits per byte. candump, canplayer, log2asc, SavvyCAN,
@@ -48,6 +49,7 @@ enum {
     LOG_BUFFER = 1 << 16,
     LOG_LINE_MAX = 80,
     LOG_INTERFACE = 16,
+    LOG_FD_DATA = 64, /* bytes of a CAN FD frame */
     LOG_REASON = 256,
     LOG_START_US = 1000000,       /* stamp of frame 0 */
     LOG_ERROR_FRAME = 0x20000000, /* CAN_ERR_FLAG: this line is an error frame */
@@ -129,11 +131,21 @@ enum log_kind {
     LOG_KINDS
 };
 
+/* A frame as it stands in a line, whatever its kind is. */
+struct log_raw {
+    uint32_t id; /* LOG_ERROR_FRAME included */
+    bool extended, remote, fd;
+    uint8_t flags;  /* a CAN FD frame has them */
+    uint8_t length; /* bytes, or what a remote frame asks for */
+    uint8_t data[LOG_FD_DATA];
+};
+
 /* One line of a log. */
 struct log_line {
     enum log_kind kind;
     uint64_t time_us;
     char interface[LOG_INTERFACE];
+    struct log_raw raw;
     struct frame frame; /* for LOG_DATA, where fault is 0 */
     int fault;          /* hal_fault bits of an error frame, or what a plant reports when it hears one */
     enum log_way way;
@@ -153,6 +165,7 @@ int log_format(char *text, const struct log_line *line);
 /* Reads a log line by line. */
 struct log_reader {
     FILE *file;
+    struct pcapng *packets; /* NULL: lines of text. Else a line is a packet */
     const char *path;
     uint64_t line;               /* number of the last line read, from 1 */
     const char *interface;       /* read its lines only; NULL: all. Set it after log_reader_open */
@@ -171,6 +184,9 @@ const char *log_reader_open(struct log_reader *r, const char *path);
  * passed over and counted; empty lines and those that begin with '#' are passed over. 0 at the end of the
  * file. -1 when it cannot be read, or at its end when no line was one of candump: then r->reason says so. */
 int log_read_line(struct log_reader *r, struct log_line *out);
+
+/* As log_read_line, but lines of all kinds except LOG_DAMAGED and LOG_CUT, and the recorder's words. */
+int log_read_any(struct log_reader *r, struct log_line *out);
 
 /* Back to the first line. */
 void log_reader_rewind(struct log_reader *r);

@@ -2,14 +2,15 @@
 #include "hal/posix/log.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
+#include "hal/posix/pcapng.h"
 
 enum {
     SECONDS_DIGITS = 12,
     MICRO_DIGITS = 6,
     NANO_DIGITS = 9,
-    FD_DATA = 64,
-    READ_MAX = 256,
+    READ_MAX = PCAPNG_LINE,
     /* in data byte 1 of an error frame of class LOG_ERROR_CONTROLLER, see linux/can/error.h */
     ERROR_OVERFLOW = 0x01,
     ERROR_PASSIVE = 0x3C /* warning or passive, receiving or sending */
@@ -110,8 +111,8 @@ static void parse_identifier(struct cursor *c, struct log_line *out)
         c->at = begin.at;
         c->wrong = wrong;
     }
-    out->frame.id = id;
-    out->frame.flags = n == 8 ? FRAME_EXTENDED : 0;
+    out->raw.id = id;
+    out->raw.extended = n == 8;
 }
 
 static bool next_is(struct cursor *c, char ch)
@@ -121,34 +122,32 @@ static bool next_is(struct cursor *c, char ch)
     return is;
 }
 
-/* At most `max` bytes, into data[FRAME_DATA] unless that is NULL. */
-static int parse_bytes(struct cursor *c, int max, uint8_t *data)
+/* At most `max` bytes. */
+static void parse_bytes(struct cursor *c, int max, struct log_raw *raw)
 {
-    int count = 0;
-    for (int n = 2; !c->wrong && hex_digit(*c->at) >= 0; count++) {
-        fail_if(c, count == max, "more data bytes than a frame has");
+    for (int n = 2; !c->wrong && hex_digit(*c->at) >= 0;) {
+        fail_if(c, raw->length == max, "more data bytes than a frame has");
         uint8_t byte = (uint8_t)digits(c, 16, 2, &n);
         fail_if(c, n != 2, "half a data byte");
-        if (!c->wrong && data)
-            data[count] = byte;
+        if (!c->wrong)
+            raw->data[raw->length++] = byte;
     }
-    return count;
 }
 
-static void parse_data(struct cursor *c, struct log_line *out)
+static void parse_data(struct cursor *c, struct log_raw *raw)
 {
     int n;
-    out->kind = next_is(c, '#') ? LOG_FD : next_is(c, 'R') ? LOG_REMOTE : LOG_DATA;
-    if (out->kind == LOG_FD) {
-        (void)digits(c, 16, 1, &n);
+    raw->fd = next_is(c, '#');
+    raw->remote = !raw->fd && next_is(c, 'R');
+    if (raw->fd) {
+        raw->flags = (uint8_t)digits(c, 16, 1, &n);
         fail_if(c, n != 1, "a digit of CAN FD flags expected");
-        (void)parse_bytes(c, FD_DATA, NULL);
-    } else if (out->kind == LOG_REMOTE) {
-        (void)digits(c, 16, 1, &n); /* the length that it asks for */
-    } else {
-        out->frame.length = (uint8_t)parse_bytes(c, FRAME_DATA, out->frame.data);
     }
-    if (out->kind != LOG_FD && next_is(c, '_')) { /* the length as it was on the wire, 9 to F */
+    if (raw->remote)
+        raw->length = (uint8_t)digits(c, 16, 1, &n);
+    else
+        parse_bytes(c, raw->fd ? LOG_FD_DATA : FRAME_DATA, raw);
+    if (!raw->fd && next_is(c, '_')) { /* the length as it was on the wire, 9 to F */
         (void)digits(c, 16, 1, &n);
         fail_if(c, n != 1, "a digit of the raw length expected");
     }
@@ -167,22 +166,21 @@ static void parse_marks(struct cursor *c, struct log_line *out)
 
 /* "[2]  11 22" behind the identifier, as candump shows it without -L; "[02]" is CAN FD. Whatever stands
  * behind the data is for people. */
-static void parse_shown(struct cursor *c, struct log_line *out)
+static void parse_shown(struct cursor *c, struct log_raw *raw)
 {
-    int n, length;
+    int n;
     expect(c, '[', "'#' or a length in brackets expected after the identifier");
-    length = (int)digits(c, 10, 2, &n);
+    raw->length = (uint8_t)digits(c, 10, 2, &n);
     expect(c, ']', "']' expected after the length");
     skip_blanks(c);
-    out->kind = n == 2 ? LOG_FD : next_is(c, 'r') ? LOG_REMOTE : LOG_DATA;
-    if (out->kind != LOG_DATA)
-        return;
-    fail_if(c, n == 0 || length > FRAME_DATA, "a length of at most 8 expected");
-    for (int i = 0; i < length && !c->wrong; i++, skip_blanks(c)) {
-        out->frame.data[i] = (uint8_t)digits(c, 16, 2, &n);
+    raw->fd = n == 2;
+    raw->remote = !raw->fd && next_is(c, 'r');
+    fail_if(c, n == 0 || raw->length > (raw->fd ? LOG_FD_DATA : FRAME_DATA),
+            "a length of at most 8, or 64 by two digits, expected");
+    for (int i = 0; i < raw->length && !raw->remote && !c->wrong; i++, skip_blanks(c)) {
+        raw->data[i] = (uint8_t)digits(c, 16, 2, &n);
         fail_if(c, n != 2, "a data byte expected");
     }
-    out->frame.length = (uint8_t)length;
 }
 
 static void parse_end(struct cursor *c, struct log_line *out)
@@ -252,6 +250,18 @@ static bool read_own(struct log_line *out)
     return true;
 }
 
+/* The kind of its frame, and what a plant would hear of it. */
+static void interpret(struct log_line *out)
+{
+    const struct log_raw *raw = &out->raw;
+    out->kind = raw->fd ? LOG_FD : raw->remote ? LOG_REMOTE : LOG_DATA;
+    out->frame = (struct frame){.id = raw->id, .flags = raw->extended ? FRAME_EXTENDED : 0};
+    if (out->kind == LOG_DATA) {
+        out->frame.length = raw->length;
+        memcpy(out->frame.data, raw->data, FRAME_DATA);
+    }
+}
+
 const char *log_parse(const char *text, struct log_line *out, int *column)
 {
     struct cursor c = {text, NULL};
@@ -262,11 +272,12 @@ const char *log_parse(const char *text, struct log_line *out, int *column)
     parse_identifier(&c, out);
     skip_blanks(&c);
     if (next_is(&c, '#')) {
-        parse_data(&c, out);
+        parse_data(&c, &out->raw);
         parse_end(&c, out);
     } else {
-        parse_shown(&c, out);
+        parse_shown(&c, &out->raw);
     }
+    interpret(out);
     if (c.wrong) {
         out->kind = LOG_DAMAGED;
     } else if (out->kind == LOG_DATA && out->frame.id & LOG_ERROR_FRAME && !read_own(out)) {
@@ -301,7 +312,9 @@ const char *log_reader_open(struct log_reader *r, const char *path)
     r->file = fopen(path, "re");
     if (r->file && fseek(r->file, 0, SEEK_CUR) != 0)
         r->file = keep_pipe(r->file);
-    if (r->file)
+    bool packets = r->file && pcapng_is(r->file);
+    r->packets = packets ? calloc(1, sizeof *r->packets) : NULL;
+    if (r->file && (r->packets || !packets))
         return NULL;
     snprintf(r->reason, sizeof r->reason, "log: cannot read %s: %s", path, strerror(errno));
     return r->reason;
@@ -309,14 +322,19 @@ const char *log_reader_open(struct log_reader *r, const char *path)
 
 void log_reader_rewind(struct log_reader *r)
 {
-    struct log_reader fresh = {.file = r->file, .path = r->path, .interface = r->interface};
+    struct log_reader fresh = {
+        .file = r->file, .packets = r->packets, .path = r->path, .interface = r->interface};
     rewind(r->file);
     *r = fresh;
 }
 
 static void note_damage(struct log_reader *r, int column, const char *what)
 {
-    if (!*r->damage)
+    if (*r->damage)
+        return;
+    if (r->packets)
+        snprintf(r->damage, sizeof r->damage, "packet %llu: %s", (unsigned long long)r->line, what);
+    else
         snprintf(r->damage, sizeof r->damage, "line %llu, column %d: %s", (unsigned long long)r->line, column,
                  what);
 }
@@ -347,6 +365,20 @@ static enum log_kind read_text(struct log_reader *r, char *text)
     return LOG_DATA;
 }
 
+/* The next packet as such a line. */
+static enum log_kind read_packet(struct log_reader *r, char *text)
+{
+    const char *why;
+    enum pcapng_got got = pcapng_next(r->packets, r->file, text, &why);
+    r->line += got != PCAPNG_END;
+    if (got == PCAPNG_DAMAGED)
+        note_damage(r, 0, why);
+    return got == PCAPNG_PACKET    ? LOG_DATA
+           : got == PCAPNG_DAMAGED ? LOG_DAMAGED
+           : got == PCAPNG_CUT     ? LOG_CUT
+                                   : LOG_KINDS;
+}
+
 static bool is_empty(const char *text)
 {
     size_t blanks = strspn(text, " \t");
@@ -361,34 +393,34 @@ static int end_of_file(struct log_reader *r)
     if (ferror(r->file))
         snprintf(r->reason, sizeof r->reason, "log: cannot read %.120s: %s", r->path, strerror(errno));
     else if (!lines)
-        snprintf(r->reason, sizeof r->reason, "%.80s: no line of it is one of candump -L%s%s", r->path,
+        snprintf(r->reason, sizeof r->reason, "%.80s: no %s%s%s", r->path,
+                 r->packets ? "packet of it is one of CAN" : "line of it is one of candump -L",
                  *r->damage ? "; " : "", r->damage);
     return ferror(r->file) || !lines ? -1 : 0;
 }
 
-/* A line of LOG_DATA by the words before it. False: it is such a word itself. */
-static bool take_way(struct log_reader *r, struct log_line *line)
+/* The way of a line of LOG_DATA by the words before it. */
+static void tell_way(struct log_reader *r, struct log_line *line)
 {
     r->of_plant = r->of_plant || line->way == LOG_BEGIN;
     if (line->way == LOG_BEGIN || line->way == LOG_TURN) {
         r->turned = line->way == LOG_TURN;
-        return false;
+        return;
     }
     if (line->fault || line->way != LOG_UNKNOWN || !r->of_plant)
-        return true;
+        return;
     line->way = log_way_of(&line->frame);
     if (r->turned)
         line->way = line->way == LOG_SENT ? LOG_RECEIVED : LOG_SENT;
     r->turned = false;
-    return true;
 }
 
-int log_read_line(struct log_reader *r, struct log_line *out)
+int log_read_any(struct log_reader *r, struct log_line *out)
 {
     char text[READ_MAX];
     enum log_kind kind;
-    int column;
-    while ((kind = read_text(r, text)) != LOG_KINDS) {
+    int column = 0;
+    while ((kind = r->packets ? read_packet(r, text) : read_text(r, text)) != LOG_KINDS) {
         if (kind == LOG_DATA && is_empty(text))
             continue;
         const char *wrong = kind == LOG_DATA ? log_parse(text, out, &column) : NULL;
@@ -397,14 +429,27 @@ int log_read_line(struct log_reader *r, struct log_line *out)
         kind = kind == LOG_DATA ? out->kind : kind;
         bool here = kind >= LOG_DAMAGED || !r->interface || !strcmp(r->interface, out->interface);
         *(here ? &r->count[kind] : &r->elsewhere) += 1;
-        if (here && kind == LOG_DATA && take_way(r, out))
+        if (here && kind == LOG_DATA)
+            tell_way(r, out);
+        if (here && kind < LOG_DAMAGED)
             return 1;
     }
     return end_of_file(r);
 }
 
+int log_read_line(struct log_reader *r, struct log_line *out)
+{
+    int got;
+    while ((got = log_read_any(r, out)) > 0 &&
+           (out->kind != LOG_DATA || out->way == LOG_BEGIN || out->way == LOG_TURN)) {
+    }
+    return got;
+}
+
 void log_reader_close(struct log_reader *r)
 {
     fclose(r->file);
+    free(r->packets);
     r->file = NULL;
+    r->packets = NULL;
 }

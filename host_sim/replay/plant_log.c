@@ -133,16 +133,34 @@ const char *plant_log_open(struct plant_log *l, const char *path, const char *in
 
 /* ---- its lines ---- */
 
+/* The message in a line. */
+static void look_into(struct plant_log *l, const struct log_line *line, struct message *m)
+{
+    bool word = line->way == LOG_NO_ROOM || line->way == LOG_OVERRUN || line->way == LOG_BEGIN ||
+                line->way == LOG_TURN;
+    m->kind = WIRE_KINDS;
+    if (line->kind != LOG_DATA || line->fault || word)
+        return;
+    enum wire_status status = wire_decode(&l->scene, &line->frame, m);
+    l->others += status == WIRE_NOT_OURS;
+    l->unsound += status != WIRE_NOT_OURS && status != WIRE_OK;
+}
+
 int plant_log_next(struct plant_log *l, struct log_line *line, struct message *m)
 {
     int got = log_read_line(&l->reader, line);
     m->kind = WIRE_KINDS;
-    bool frame = line->fault == 0 && line->way != LOG_NO_ROOM && line->way != LOG_OVERRUN;
-    if (got <= 0 || !frame)
-        return got;
-    enum wire_status status = wire_decode(&l->scene, &line->frame, m);
-    l->others += status == WIRE_NOT_OURS;
-    l->unsound += status != WIRE_NOT_OURS && status != WIRE_OK;
+    if (got > 0)
+        look_into(l, line, m);
+    return got;
+}
+
+int plant_log_any(struct plant_log *l, struct log_line *line, struct message *m)
+{
+    int got = log_read_any(&l->reader, line);
+    m->kind = WIRE_KINDS;
+    if (got > 0)
+        look_into(l, line, m);
     return got;
 }
 

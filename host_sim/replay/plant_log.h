@@ -46,6 +46,9 @@ const char *plant_log_open(struct plant_log *l, const char *path, const char *in
  * 1, 0 at the end, -1 for a file that cannot be read: l->reader.reason says why. */
 int plant_log_next(struct plant_log *l, struct log_line *line, struct message *m);
 
+/* As plant_log_next, with the lines that no plant sends, and the recorder's words (log_read_any). */
+int plant_log_any(struct plant_log *l, struct log_line *line, struct message *m);
+
 /* Lines on stderr for people, once the log was read: what was passed over, and an identity that is not told.
  * `command`: its subcommand. */
 void plant_log_tell(const struct plant_log *l, const char *command);

@@ -12,16 +12,16 @@
 #include <string.h>
 #include "firmware/bus/identity.h"
 #include "firmware/bus/settings.h"
-#include "host_sim/cli/dbc.h"
+#include "host_sim/database/dbc.h"
 #include "host_sim/cli/names.h"
 #include "models/math/elementary.h"
 #include "models/hertz_rig.h"
 
 enum { ROUNDS = 3 }; /* frames of each message and each multiplexed signal: smallest, largest, in between */
 
-static struct dbc_scene make_scene(int which)
+static struct bus_scene make_scene(int which)
 {
-    struct dbc_scene s = {.model = &hertz_rig};
+    struct bus_scene s = {.model = &hertz_rig};
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED], setting[SETTINGS];
     struct scale scale;
 
@@ -45,7 +45,7 @@ static struct dbc_scene make_scene(int which)
 }
 
 /* A value that the field holds exactly. */
-static double pick(const struct dbc_scene *s, const struct field *d, int round)
+static double pick(const struct bus_scene *s, const struct field *d, int round)
 {
     static const double floats[ROUNDS] = {-0x1.fffffep+127, 0x1p-149, 0x1.23456p-10};
     double span = ldexp(1.0, d->bits), low = 0.0, high = span - 1.0;
@@ -62,7 +62,7 @@ static double pick(const struct dbc_scene *s, const struct field *d, int round)
            wire_factor(&s->wire, d->scale);
 }
 
-static void print_vector(const struct dbc_scene *s, const struct message *msg, const struct frame *f, int i,
+static void print_vector(const struct bus_scene *s, const struct message *msg, const struct frame *f, int i,
                          const char *name)
 {
     printf("%lx %d ", (unsigned long)f->id, s->wire.extended);
@@ -72,7 +72,7 @@ static void print_vector(const struct dbc_scene *s, const struct message *msg, c
 }
 
 /* `index`: the multiplexer's value, `name` of the signal it selects; NULL for a message without one. */
-static void print_frame(const struct dbc_scene *s, unsigned kind, int by, unsigned index, const char *name)
+static void print_frame(const struct bus_scene *s, unsigned kind, int by, unsigned index, const char *name)
 {
     const struct message_layout *l = wire_layout(kind);
     struct message msg = {.kind = (uint8_t)kind};
@@ -88,7 +88,7 @@ static void print_frame(const struct dbc_scene *s, unsigned kind, int by, unsign
     }
 }
 
-static void print_vectors(const struct dbc_scene *s)
+static void print_vectors(const struct bus_scene *s)
 {
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++) {
         const struct message_layout *l = wire_layout(kind);
@@ -127,7 +127,7 @@ static void print_message_table(const struct message_layout *l)
     printf("\n");
 }
 
-static void print_list(const struct dbc_scene *s, const char *title, enum field_names list)
+static void print_list(const struct bus_scene *s, const char *title, enum field_names list)
 {
     struct named n;
 
@@ -147,7 +147,7 @@ static void print_parameters(const struct parameter *p, int n, int first)
     printf("\n");
 }
 
-static void print_tables(const struct dbc_scene *s)
+static void print_tables(const struct bus_scene *s)
 {
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
         if (wire_layout(kind) && wire_layout(kind)->kind == kind)
@@ -176,7 +176,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: dbc_vectors dbc|vectors|tables SCENE\n");
         return 2;
     }
-    struct dbc_scene s = make_scene(atoi(argv[2]));
+    struct bus_scene s = make_scene(atoi(argv[2]));
     if (strcmp(argv[1], "dbc") == 0)
         dbc_print(stdout, &s);
     if (strcmp(argv[1], "vectors") == 0)

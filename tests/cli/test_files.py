@@ -43,9 +43,10 @@ LINES = [
     (["stability", "s.ini", "--x", "stiffness.frequency=100:200:2", "--y", "stiffness.amplitude=0.1:0.2:2"], [], True),
     (["random", "noise.ini", "--seeds", "2", "--over", "150"], [], True),
     (["decode", "run.log", "s.ini"], [], True),
+    (["export", "run.log"], [], True),
     (["fmu", "s.ini"], [], True),
 ]
-SILENT = {"send", "monitor", "control", "replay", "compare", "selftest", "list", "scene", "dbc", "man", "completion", "version"}  # they write no file
+SILENT = {"send", "monitor", "control", "replay", "compare", "selftest", "list", "scene", "dbc", "dissector", "man", "completion", "version"}  # they write no file
 
 
 def run(*words, **more):

@@ -23,7 +23,7 @@ BAD = [re.compile(WORD % w, re.I) for w in (r"[-+]?nan", r"[-+]?inf", r"[-+]?inf
     [re.compile(w) for w in (r"-1 (periods|frames|points|starts|steps|realisations)", r"\d[eE]\+?30[78]\b", r"\b18446744073709551615\b",
                              r"\b4294967295\b", r"-2147483648\b", r"-9223372036854775808\b", r"\(null\)", r"%[dsg]\b")]
 # documented: the protocol's field that may be NaN; the range of a 32-bit field
-TRUE = {"list": "NaN: nothing to measure", "dbc": "4294967295"}
+TRUE = {"list": "NaN: nothing to measure", "dbc": "4294967295", "dissector": "NaN: nothing to measure"}
 INPUTS = {"basin": {"rows"}, "scan": {"surface"}, "run": {"plants"}}
 KINDS = ("FILE", "DIR", "WHERE")
 
@@ -35,7 +35,7 @@ def text_of(path):
     if raw[:2] == b"PK":
         with zipfile.ZipFile(path) as z:
             return z.read("modelDescription.xml").decode()
-    if raw[:4] == b"\x89PNG" or raw[:8] == b"Gwyddion":
+    if raw[:4] == b"\x89PNG" or raw[:8] == b"Gwyddion" or raw[:4] == b"\n\r\r\n":
         return ""
     text = raw.decode("utf-8", "replace")
     if path.endswith(".log"):
@@ -130,6 +130,7 @@ def cases():
     for scene in ("rig", "shaft", "tip", "tapping", "kb-fig4", "nayak-random"):
         yield "scene", [scene]
     yield "dbc", ["rig"]
+    yield "dissector", ["rig"]
     curve = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/examples/fit/small.csv")
     yield "fit", ["rig", "--sweep", curve, "--out", "fitted.ini"]
     yield "fit", ["rig", "--sweep", curve, "--free", "mass,stiffness,damping,gain.sensor", "--out", "fitted.ini", "--force"]
@@ -206,7 +207,7 @@ with tempfile.TemporaryDirectory() as top:
     for i, extra in enumerate(([], ["--setting", "displacement_delay_frames=20"])):
         on_a_bus(folder_of("bus%d" % i), *extra)
     folder = folder_of("bus0")
-    for words in ("decode run.log rig --out d.csv --events e.csv --svg d.svg --report d.html", "decode run.log rig", "replay run.log rig", "compare run.log run.log --model rig"):
+    for words in ("decode run.log rig --out d.csv --events e.csv --svg d.svg --report d.html", "decode run.log rig", "export run.log --out e.pcapng", "replay run.log rig", "compare run.log run.log --model rig"):
         run(words.split(), folder)
         used.setdefault(words.split()[0], set()).update(w[2:] for w in words.split() if w.startswith("--"))
     away = next(os.path.join(d, f) for d, _, fs in os.walk(top) for f in fs if f.startswith("away") and f.endswith(".log"))
