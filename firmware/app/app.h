@@ -46,6 +46,10 @@ struct app_config {
     struct stages *stages; /* then memory for them; else both NULL */
     float *capture;        /* n_capture floats for the burst capture, or NULL */
     uint32_t n_capture;
+    /* Memory of n floats in place of `capture`, whose floats it has, for a burst that does not fit. NULL:
+     * there is none, and `capture` stays. No such function: what does not fit is out of range. */
+    float *(*grow_capture)(void *owner, uint32_t n);
+    void *capture_owner;
     const struct watch_limits *watch; /* the observable to watch at run time and its interval, or NULL */
     const struct model *promote;      /* the full model to climb to when the watch trips, or NULL for never */
     /* Sees the plant at the end of each tick and changes nothing, or NULL. */

@@ -166,6 +166,26 @@ static enum cause on_control(struct app *a, const struct message *m, struct rema
 
 /* ---- capture ---- */
 
+static enum cause arm_capture(struct app *a)
+{
+    struct app_config *c = &a->config;
+    const double *setting = a->setting;
+    uint32_t n_signals = (uint32_t)a->plant.model->n_outputs;
+    uint32_t n_samples = (uint32_t)setting[SET_CAPTURE_SAMPLES], n = n_signals * n_samples;
+    if (c->grow_capture && n > c->n_capture) {
+        float *memory = c->grow_capture(c->capture_owner, n);
+        if (!memory)
+            return CAUSE_FULL;
+        c->capture = memory;
+        c->n_capture = n;
+    }
+    return capture_arm(&a->capture, c->n_capture, n_signals, n_samples,
+                       (uint32_t)setting[SET_CAPTURE_PRETRIGGER], (uint32_t)setting[SET_CAPTURE_EVERY_TICKS],
+                       (enum capture_trigger)(int)setting[SET_CAPTURE_TRIGGER])
+               ? CAUSE_OK
+               : CAUSE_RANGE;
+}
+
 static enum cause on_capture(struct app *a, const struct message *m, struct remark *r)
 {
     unsigned operation = (unsigned)m->value[CAPTURE_OPERATION];
@@ -175,13 +195,7 @@ static enum cause on_capture(struct app *a, const struct message *m, struct rema
         a->capture.state = CAPTURE_IDLE;
         return CAUSE_OK;
     case CAPTURE_ARM:
-        return capture_arm(&a->capture, a->config.n_capture, (uint32_t)a->plant.model->n_outputs,
-                           (uint32_t)a->setting[SET_CAPTURE_SAMPLES],
-                           (uint32_t)a->setting[SET_CAPTURE_PRETRIGGER],
-                           (uint32_t)a->setting[SET_CAPTURE_EVERY_TICKS],
-                           (enum capture_trigger)(int)a->setting[SET_CAPTURE_TRIGGER])
-                   ? CAUSE_OK
-                   : CAUSE_RANGE;
+        return arm_capture(a);
     case CAPTURE_TRIGGER:
         if (a->capture.state != CAPTURE_ARMED)
             return CAUSE_STATE;

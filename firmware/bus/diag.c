@@ -15,7 +15,7 @@ const struct diag_name diag_name[DIAG_COUNTERS] = {
                     "refused: the frame named is too old, or the instant beyond the horizon"},
     [DIAG_SESSION] = {"session", "commands", "refused: not the session in force"},
     [DIAG_STATE] = {"state", "commands", "refused: not possible in this state"},
-    [DIAG_FULL] = {"full", "commands", "refused: no room to wait in"},
+    [DIAG_FULL] = {"full", "commands", "refused: no room to wait in, or no memory for the burst"},
     [DIAG_INCOMPLETE] = {"incomplete", "commands",
                          "refused: nothing armed, or count or CRC of the set differ"},
     [DIAG_UNKNOWN] = {"unknown", "commands", "refused: no such operation, index or field"},

@@ -144,7 +144,7 @@ enum cause {
     CAUSE_STALE,      /* the frame echoed is too old, or the instant beyond the horizon */
     CAUSE_SESSION,    /* not the session in force */
     CAUSE_STATE,      /* not possible in this state */
-    CAUSE_FULL,       /* no room to wait in */
+    CAUSE_FULL,       /* no room to wait in, or no memory for the burst */
     CAUSE_INCOMPLETE, /* nothing armed, or the staged set does not match its count and CRC */
     CAUSE_UNKNOWN,    /* no such operation, index or field */
     CAUSE_SELF_TEST,  /* the power-on self-test failed */

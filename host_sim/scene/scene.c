@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    CAPTURE_SAMPLES = 65536, /* a little more than the setting capture_samples allows */
-    NAME_SIZE = 64
-};
+enum { NAME_SIZE = 64 };
 
 const struct option scene_options[] = {
     {"set", "NAME=VALUE",
@@ -43,30 +40,35 @@ bool scene_init(struct scene_app *s, const char *name, char *why)
     return true;
 }
 
-/* Memory for the method's tables and the burst capture. */
+/* An app_config's grow_capture. */
+static float *grow_capture(void *scene, uint32_t n)
+{
+    struct scene_app *s = scene;
+    float *more = realloc(s->capture, n * sizeof *more);
+    s->capture = more ? more : s->capture;
+    return more;
+}
+
+/* Memory for the method's tables and the stages. */
 static bool provide(struct scene_app *s)
 {
     size_t n_scratch = s->config.method->n_scratch(s->config.model);
-    int n_outputs = s->config.model->n_outputs;
     const struct model *to = s->config.promote;
     if (to && s->config.method->n_scratch(to) > n_scratch)
         n_scratch = s->config.method->n_scratch(to);
-    if (to && to->n_outputs > n_outputs)
-        n_outputs = to->n_outputs;
     scene_free(s);
-    s->config.n_capture = (uint32_t)(CAPTURE_SAMPLES * n_outputs);
     s->scratch = calloc(n_scratch + 1, sizeof *s->scratch);
-    s->capture = calloc(s->config.n_capture, sizeof *s->capture);
     s->stages = calloc(1, sizeof *s->stages);
     s->config.scratch = s->scratch;
-    s->config.capture = s->capture;
+    s->config.grow_capture = grow_capture;
+    s->config.capture_owner = s;
     s->config.stages = s->stages;
     s->config.stage_calls = &stages_for_plants;
     if (scene_is_microscope(s->config.model)) { /* it is its own stages */
         s->config.stages = (struct stages *)(void *)s->scratch;
         s->config.stage_calls = &afm_plant_calls;
     }
-    return s->scratch && s->capture && s->stages;
+    return s->scratch && s->stages;
 }
 
 bool scene_start(struct scene_app *s, const struct hal *hal, char *why)

@@ -148,7 +148,28 @@ def test_refusals():
     verdict("refused: a list that is not there", p.returncode == 2 and "cannot read" in p.stderr, p.stderr)
 
 
+def memory_of(n):
+    """The memory of n plants that wait for their first word, KiB: what is allocated, touched or not."""
+    path = os.path.join(directory, "many.txt")
+    with open(path, "w") as f:
+        f.write("rig\n" * n)
+    with subprocess.Popen([program, "run", "--lockstep", "--bus", "udp:0", "--extended", "--plants", path], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True) as p:
+        p.stderr.readline()
+        with open("/proc/%d/status" % p.pid) as f:
+            kib = int(re.search(r"VmData:\s*(\d+) kB", f.read()).group(1))
+        p.send_signal(signal.SIGINT)
+    return kib
+
+
+def test_memory():
+    print("--- memory", flush=True)
+    few, many = memory_of(2), memory_of(102)
+    verdict("a plant takes %.1f KiB, 64 at most" % ((many - few) / 100), 10 < (many - few) / 100 <= 64, (few, many))
+
+
 with tempfile.TemporaryDirectory() as directory:
     test_together()
     test_refusals()
+    test_memory()
 conclude()

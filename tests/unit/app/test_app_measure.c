@@ -130,6 +130,56 @@ TEST(app_capture_fire)
     check_int("values other than those of the plant alone, every third tick", read_burst(100, every), 0);
 }
 
+/* Memory that is handed in when a burst needs more. */
+static struct {
+    float *there; /* NULL: none */
+    uint32_t asked, calls;
+} store;
+
+static float *grow_capture(void *owner, uint32_t n)
+{
+    store.asked = n;
+    store.calls++;
+    return owner == &store ? store.there : NULL;
+}
+
+static int arm_burst(double samples, double pretrigger)
+{
+    set_all((const double[][2]){{SET_CAPTURE_SAMPLES, samples}, {SET_CAPTURE_PRETRIGGER, pretrigger}}, 2);
+    bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_ARM, 0, 0});
+    bus_run(&bus, 1);
+    return bus_cause(&bus, WIRE_CAPTURE);
+}
+
+TEST(app_capture_memory)
+{
+    static float more[1639 * OUTPUTS];
+    struct app_config c = bus_config();
+    c.grow_capture = grow_capture;
+    c.capture_owner = &store;
+    memset(&store, 0, sizeof store);
+    bus_start_running(&bus, &c);
+    check_int("a burst that fits", arm_burst(10, 4), CAUSE_OK);
+    bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_TRIGGER, 0, 0});
+    bus_run(&bus, 4);
+    check_int("is full", bus.app.capture.state, CAPTURE_FULL);
+    check_int("it asks for no memory", store.calls, 0);
+    check_int("1639 samples of 5 in 8192 floats, and no memory", arm_burst(1639, 4), CAUSE_FULL);
+    check_int("floats asked for", store.asked, sizeof more / sizeof more[0]);
+    check_int("counted", bus.app.count[DIAG_FULL], 1);
+    check_int("the burst of before is still there", bus.app.capture.state, CAPTURE_FULL);
+    check_int("samples of it", bus.app.capture.n_samples, 10);
+    check_true("its memory, too", bus.app.config.capture == bus.capture);
+    store.there = more;
+    check_int("with memory", arm_burst(1639, 4), CAUSE_OK);
+    check_true("it is taken", bus.app.config.capture == more);
+    check_int("armed", bus.app.capture.state, CAPTURE_ARMED);
+    bus_run(&bus, 4);
+    check_near("and written to: the contact flag of its second sample", (double)more[OUTPUTS + 4], 1.0, 0.0);
+    check_int("a shorter burst fits into it", arm_burst(1638, 4), CAUSE_OK);
+    check_int("calls", store.calls, 2);
+}
+
 TEST(app_capture_refused)
 {
     const struct app_config c = bus_config();
