@@ -5,6 +5,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/choose/choose_html.h"
+#include "host_sim/choose/choose_steps.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_load.h"
@@ -13,14 +14,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_MAX = 1000 /* largest number of steps of a sweep */ };
+enum { STEPS_MAX = 1000 /* of a sweep */, SWEEP_TEXT = 256 };
 
 static const struct option choose_options[] = {
     {"on", "MACHINE",
      "the machine that keeps the deadline and whose cost counts: host, mps2-an500, mps2-an386, "
      "xlnx-zcu102-r5 (host)",
      OPTION_TEXT, .initial = "host"},
-    {"sweep", "INPUT=HZ1,HZ2,N", "check through N frequencies of this drive from HZ1 to HZ2 and back",
+    {"sweep", "NAME=FROM:TO:N", "check through N frequencies of a drive (force.frequency) and back",
      OPTION_TEXT, .initial = NULL},
     {"tolerance", "E", "relative error of the observable (the scene's)", OPTION_NUMBER, 1e-15, 1e-1,
      .initial = NULL},
@@ -50,7 +51,7 @@ static const struct usage choose_usage = {
     .examples = "  contactplant choose rig\n"
                 "  contactplant choose rig --tolerance 0.05 --out fast.ini && contactplant run fast.ini\n"
                 "  contactplant choose shaft --json shaft.json --report shaft.html\n"
-                "  contactplant choose rig --sweep force=100,200,20\n"
+                "  contactplant choose rig --sweep force.frequency=100:200:20\n"
                 "  contactplant choose rig --on mps2-an500\n",
     .min_words = 1,
     .max_words = 1,
@@ -101,39 +102,58 @@ static bool find_observable(const struct options *o, struct choose_certificate *
     return found >= 0;
 }
 
-/* INPUT=HZ1,HZ2,N */
-static bool find_sweep(const struct options *o, struct choose_certificate *c)
+/* The input of INPUT=.. or INPUT.frequency=..: one that the scene drives, or -1. */
+static int find_input(const struct choose_certificate *c, const char *name, size_t n)
 {
-    const char *text = options_text(o, "sweep", 0), *equals = text ? strchr(text, '=') : NULL;
-    const struct model *m = c->scene.model;
-    struct choose_sweep *w = &c->sweep;
+    static const char frequency[] = ".frequency";
+    const size_t more = sizeof frequency - 1;
     double si[MODEL_PARAMETERS];
     struct harmonic drive[MODEL_INPUTS];
+    if (n > more && !strncmp(name + n - more, frequency, more))
+        n -= more;
+    scenes_resolve(&c->scene, si, drive);
+    for (int i = 0; i < c->scene.model->n_inputs; i++) {
+        const char *own = c->scene.model->input_signal[i].name;
+        if (strlen(own) == n && !strncmp(own, name, n) && fabs(drive[i].amplitude) > 0.0)
+            return i;
+    }
+    return -1;
+}
+
+static int refuse_input(const struct options *o, const struct choose_certificate *c, const char *name,
+                        size_t n)
+{
+    const struct model *m = c->scene.model;
     const char *names[MODEL_INPUTS];
-    char more, own[64];
-    if (!text)
-        return true;
-    w->input = -1;
-    snprintf(own, sizeof own, "%.*s", (int)strcspn(text, "="), text);
+    char advice[OPTIONS_ADVICE];
     for (int i = 0; i < m->n_inputs; i++)
         names[i] = m->input_signal[i].name;
-    scenes_resolve(&c->scene, si, drive);
-    for (int i = 0; i < m->n_inputs && equals; i++) {
-        if (strcmp(own, names[i]))
-            continue;
-        w->input = i;
-        if (sscanf(equals + 1, "%lf,%lf,%d%c", &w->from_Hz, &w->to_Hz, &w->steps, &more) == 3 &&
-            w->from_Hz > 0.0 && w->to_Hz > 0.0 && w->from_Hz < 1e12 && w->to_Hz < 1e12 && w->steps >= 1 &&
-            w->steps <= STEPS_MAX && fabs(drive[i].amplitude) > 0.0)
-            return true;
-    }
-    const char *near = equals && w->input < 0 ? options_nearest(own, names, m->n_inputs) : NULL;
-    options_misuse(o->usage,
-                   "--sweep %s: write INPUT=HZ1,HZ2,N with an input of %s that the scene drives, frequencies "
-                   "above 0 and 1 to %d steps%s%s%s",
-                   text, m->name, (int)STEPS_MAX, near ? "; did you mean " : "", near ? near : "",
-                   near ? "?" : "");
-    return false;
+    return options_misuse(o->usage, "--sweep %.*s: no input of %s that the scene drives%s", (int)n, name,
+                          m->name, options_advise(name, n, names, m->n_inputs, NULL, advice, sizeof advice));
+}
+
+/* INPUT=FROM:TO:N; versions before wrote commas. */
+static bool find_sweep(const struct options *o, struct choose_certificate *c)
+{
+    static const struct range_rules rules = {.named = true,
+                                             .unit = "Hz",
+                                             .bare = true,
+                                             .min = 1e-12,
+                                             .max = 1e12,
+                                             .n_min = 1,
+                                             .n_max = STEPS_MAX,
+                                             .order = RANGE_ANY_ORDER};
+    const char *given = options_text(o, "sweep", 0);
+    char text[SWEEP_TEXT], why[RANGE_REASON];
+    if (!given)
+        return true;
+    snprintf(text, sizeof text, "%s", given);
+    for (char *comma = strchr(text, ','); comma; comma = strchr(comma, ','))
+        *comma = ':';
+    if (!range_read(text, &rules, &c->sweep.Hz, why))
+        return options_misuse(o->usage, "--sweep %s: %s", given, why) < 0;
+    c->sweep.input = find_input(c, text, strcspn(text, "="));
+    return c->sweep.input >= 0 || refuse_input(o, c, text, strcspn(text, "=")) < 0;
 }
 
 /* The scene with what the options change, checked anew: a sweep by its highest frequency. */
@@ -163,7 +183,7 @@ static bool read(const struct options *o, struct choose_certificate *c)
     struct scene fast = c->scene;
     fast.tolerance =
         fmax(fast.tolerance, 1e-12); /* a method's own bounds are no bounds on what may be asked */
-    double Hz = c->sweep.steps > 0 ? fmax(c->sweep.from_Hz, c->sweep.to_Hz) : 0.0;
+    double Hz = choose_swept_Hz(c);
     if (scene_check(&fast, reason))
         options_misuse(o->usage, "%s: %s", c->title, reason);
     else if (Hz * scene_check_step(&fast) * DRIVE_TICKS_MIN > 1.0 + 1e-9)

@@ -24,6 +24,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "host_sim/choose/choose_cost.h"
+#include "host_sim/scene/range.h"
 
 enum {
     CHOOSE_CANDIDATES = 8, /* models that one scene may be run by */
@@ -34,16 +35,13 @@ enum {
     CHOOSE_CONDITIONS = 8  /* most conditions of a certificate */
 };
 
-/* The drive of one input goes from one frequency to the other and back over the time asked, in `steps`
- * equal holds each way. Between two holds the frequency moves over one frame, and the phase goes on. steps
- * 0: no sweep. */
+/* The drive of one input goes from one frequency to the other and back over the time asked, in Hz.n
+ * equal holds each way. Between two holds the frequency moves over one frame, and the phase goes on. n 0:
+ * no sweep. */
 struct choose_sweep {
-    int input, steps;
-    double from_Hz, to_Hz;
+    int input;
+    struct range Hz; /* of the real plant; either end may be the higher one */
 };
-
-/* The frequency of hold `place`, 0 to steps - 1, on the way there, of the real plant. */
-double choose_sweep_Hz(const struct choose_sweep *w, int place);
 
 /* ---- choose_ladder.c ---- */
 

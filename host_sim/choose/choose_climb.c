@@ -13,7 +13,7 @@ static const double tol_min = 1e-13, tol_max = 1e-2; /* range of taylor's tolera
 
 double choose_swept_Hz(const struct choose_certificate *c)
 {
-    return c->sweep.steps > 0 ? fmax(c->sweep.from_Hz, c->sweep.to_Hz) : 0.0;
+    return c->sweep.Hz.n > 0 ? fmax(c->sweep.Hz.from, c->sweep.Hz.to) : 0.0;
 }
 
 /* A frame, of the real plant. */

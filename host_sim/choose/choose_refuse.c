@@ -101,7 +101,7 @@ void choose_refuse(const struct search *o, struct choose_verdict *v)
     struct scene any = v->candidate.scene;
     if (v->candidate.refused)
         choose_say(v->refused, "%s", v->candidate.refused);
-    else if (c->sweep.steps > 0 && c->sweep.input >= any.model->n_inputs)
+    else if (c->sweep.Hz.n > 0 && c->sweep.input >= any.model->n_inputs)
         choose_say(v->refused, "it does not have the input that is swept");
     else if (!choose_tighten(&any, CHOOSE_LOOSE, 1.0, why))
         choose_say(v->refused, "%.200s", why);

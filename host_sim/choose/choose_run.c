@@ -83,21 +83,15 @@ static const char *start(struct runner *o, const struct scene *s, double nudge)
     return NULL;
 }
 
-double choose_sweep_Hz(const struct choose_sweep *w, int place)
-{
-    double share = w->steps > 1 ? (double)place / (w->steps - 1) : 0.0;
-    return w->from_Hz + share * (w->to_Hz - w->from_Hz);
-}
-
 /* At the start of frame i: the next hold of the sweep, up to the far end and back. */
 static void sweep(struct runner *o, const struct scene *s, const struct choose_sweep *w, int i, int n)
 {
-    int holds = 2 * w->steps;
+    int holds = 2 * w->Hz.n;
     int hold = (int)((double)i * holds / n), before = (int)((double)(i - 1) * holds / n);
     if (i > 0 && hold == before)
         return;
-    int place = hold < w->steps ? hold : holds - 1 - hold;
-    double Hz = choose_sweep_Hz(w, place) / s->dilation;
+    int place = hold < w->Hz.n ? hold : holds - 1 - hold;
+    double Hz = range_value(&w->Hz, place) / s->dilation;
     const struct harmonic *d = &o->drive[w->input];
     if (i == 0)
         plant_drive_start(&o->plant, w->input, d->amplitude, Hz, d->phase);
@@ -225,7 +219,7 @@ static void go(struct runner *o, const struct scene *s, const struct choose_swee
 {
     double residual_J = 0.0;
     for (int i = 0; i < r->wanted && !r->trouble; i++) {
-        if (w && w->steps > 0)
+        if (w && w->Hz.n > 0)
             sweep(o, s, w, i, r->wanted);
         if (!go_frame(o, s, r))
             r->trouble = "the motion escapes";

@@ -31,9 +31,9 @@ int choose_warnings(const struct choose_certificate *c, const char *warning[CHOO
     const char *text;
     int n = 0;
     scenes_resolve(&c->scene, si, drive);
-    for (int hold = 0; hold < c->sweep.steps || hold == 0; hold++) {
-        if (c->sweep.steps > 0)
-            drive[c->sweep.input].omega = 2.0 * ELEMENTARY_PI * choose_sweep_Hz(&c->sweep, hold);
+    for (int hold = 0; hold < c->sweep.Hz.n || hold == 0; hold++) {
+        if (c->sweep.Hz.n > 0)
+            drive[c->sweep.input].omega = 2.0 * ELEMENTARY_PI * range_value(&c->sweep.Hz, hold);
         for (int i = 0; (text = scenes_warning(c->scene.model, si, drive, i)) != NULL; i++) {
             int k = 0;
             while (k < n && warning[k] != text)

@@ -180,8 +180,8 @@ void choose_facts_of(const struct choose_candidate *candidate, int n, const stru
                      struct choose_facts *f)
 {
     struct prepared full, linear;
-    bool swept = w && w->steps > 0, predicts = (candidate[0].kind & (KIND_LINEAR | KIND_GAPLESS)) != 0;
-    int holds = swept ? w->steps : 1;
+    bool swept = w && w->Hz.n > 0, predicts = (candidate[0].kind & (KIND_LINEAR | KIND_GAPLESS)) != 0;
+    int holds = swept ? w->Hz.n : 1;
     prepare(&candidate[n - 1].scene, &full);
     if (predicts)
         prepare(&candidate[0].scene, &linear);
@@ -190,7 +190,7 @@ void choose_facts_of(const struct choose_candidate *candidate, int n, const stru
     f->settle = 0.5 * maps_damping(full.m, full.p) * full.over / (swept ? 2.0 * holds : 1.0);
     for (int i = 0; i < holds; i++) {
         if (swept)
-            full.drive[w->input].omega = 2.0 * ELEMENTARY_PI * full.time_s * choose_sweep_Hz(w, i);
+            full.drive[w->input].omega = 2.0 * ELEMENTARY_PI * full.time_s * range_value(&w->Hz, i);
         f->slow = fmax(f->slow, slow_of(&full, fast));
         double W = fast >= 0 ? full.drive[fast].omega : 0.0;
         f->fast = i > 0 ? fmin(f->fast, W) : W;

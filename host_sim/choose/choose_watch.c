@@ -83,7 +83,7 @@ static double room(const struct watched *o, double error, double power)
 static void limit_changes(const struct watched *o, struct found *f)
 {
     const struct model *full = o->c->scene.model;
-    limit(f, MODEL_CHANGES, -SCENE_UNBOUNDED, 2.0 * o->c->sweep.steps, o->m == full ? NULL : full);
+    limit(f, MODEL_CHANGES, -SCENE_UNBOUNDED, 2.0 * o->c->sweep.Hz.n, o->m == full ? NULL : full);
 }
 
 /* The compressions up to which the force law is good enough, within the contact. A motion that was good
@@ -325,7 +325,7 @@ static void put_first(struct choose_certificate *c)
     size_t n = strlen(k->text);
     if ((int)k->watch.observable == MODEL_CHANGES)
         snprintf(k->text + n, CHOOSE_TEXT - n, "; no signal shows this, so any change%s counts",
-                 c->sweep.steps > 0 ? " but the sweep's" : "");
+                 c->sweep.Hz.n > 0 ? " but the sweep's" : "");
 }
 
 const struct scene_watch *choose_watched(const struct choose_certificate *c)

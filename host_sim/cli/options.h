@@ -30,6 +30,15 @@ enum option_kind {
     OPTION_FOLDER /* into which it writes */
 };
 
+/* Whether an option of a map belongs to the identity of its rows (host_sim/maps/maps.h). A map refuses to run
+ * with a row that does not say it. */
+enum option_identity {
+    IDENTITY_UNSAID,
+    IDENTITY_OUTSIDE,  /* the rows are the same whatever it says */
+    IDENTITY_IN_SCENE, /* it changes the scene, which the identity has anyway */
+    IDENTITY_INSIDE    /* the rows depend on its value */
+};
+
 struct option {
     const char *name;     /* without the dashes; NULL ends the table */
     const char *argument; /* the placeholder of its value in the help; NULL for a flag */
@@ -38,6 +47,7 @@ struct option {
     double min, max;     /* range of a number, inclusive */
     const char *initial; /* the value when it is not given; NULL for none */
     bool many;           /* may be given more than once */
+    enum option_identity identity;
 };
 
 /* The options and words that one command accepts, and its help. */

@@ -17,10 +17,11 @@
 
 const struct option jobs_options[] = {
     {"out", "FILE", "rows as CSV; an interrupted run is resumed in its file (standard output)", OPTION_WRITES,
-     .initial = NULL},
+     .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
-     .initial = "1/1"},
-    {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL},
+     .initial = "1/1", .identity = IDENTITY_OUTSIDE},
+    {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL,
+     .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 

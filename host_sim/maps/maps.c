@@ -8,14 +8,18 @@
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene_print.h"
+#include "models/check.h"
 #include "models/models.h"
 
 const struct option maps_options[] = {
-    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true},
-    {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL},
+    {"set", "NAME=VALUE", "a number of the scene, with its unit; repeatable", OPTION_TEXT, .many = true,
+     .identity = IDENTITY_IN_SCENE},
+    {"method", "NAME", "integration method (the scene's)", OPTION_TEXT, .initial = NULL,
+     .identity = IDENTITY_INSIDE},
     {"tol", "E", "its tolerance (the scene's; in a sweep 1e-9 at most)", OPTION_NUMBER, METHOD_TOL_MIN,
-     METHOD_TOL_MAX, .initial = NULL},
-    {"svg", "FILE", "a picture of the rows in --out", OPTION_WRITES, .initial = NULL},
+     METHOD_TOL_MAX, .initial = NULL, .identity = IDENTITY_INSIDE},
+    {"svg", "FILE", "a picture of the rows in --out", OPTION_WRITES, .initial = NULL,
+     .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
@@ -118,17 +122,47 @@ int maps_check_files(const struct maps *m, const char *rows)
     return 0;
 }
 
-FILE *maps_open_identity(struct maps *m, const char *kind)
+/* The method and its tolerance stand in the scene or on the command line. */
+static bool say_method(const struct maps *m, const char *option, FILE *f)
 {
-    FILE *f = open_memstream(&m->identity, &m->identity_size);
-    if (f)
-        scene_print(f, kind, &m->scene);
-    return f;
+    bool is_tol = !strcmp(option, "tol");
+    if (!m->method || (!is_tol && strcmp(option, "method") != 0))
+        return false;
+    return is_tol ? fprintf(f, "%.17g", m->tol) : fprintf(f, "%s", m->method->name);
 }
 
-int maps_close_identity(const struct maps *m, FILE *f)
+static void say_given(const struct options *o, const struct option *row, FILE *f)
 {
-    return !f || fclose(f) ? options_failure(m->o.usage, "out of memory") : 0;
+    if (row->kind == OPTION_NUMBER || row->kind == OPTION_INTEGER)
+        fprintf(f, "%.17g", options_number(o, row->name));
+    else
+        for (int i = 0; i == 0 || i < options_count(o, row->name); i++)
+            fprintf(f, "%s ", options_text(o, row->name, i) ? options_text(o, row->name, i) : "");
+}
+
+static void say_row(const struct maps *m, const struct option *row, maps_say *say, const void *context,
+                    FILE *f)
+{
+    ASSERT(row->identity != IDENTITY_UNSAID);
+    if (row->identity != IDENTITY_INSIDE)
+        return;
+    fprintf(f, "%s ", row->name);
+    if (!say(context, row->name, f) && !say_method(m, row->name, f))
+        say_given(&m->o, row, f);
+    fputc('\n', f);
+}
+
+int maps_identify(struct maps *m, const char *kind, maps_say *say, const void *context)
+{
+    FILE *f = open_memstream(&m->identity, &m->identity_size);
+    if (!f)
+        return options_failure(m->o.usage, "out of memory");
+    scene_print(f, kind, &m->scene);
+    for (int i = 0; i < OPTIONS_TABLES && m->o.usage->table[i]; i++)
+        for (const struct option *row = m->o.usage->table[i]; row->name; row++)
+            say_row(m, row, say, context, f);
+    fputs(m->rows.header, f);
+    return fclose(f) ? options_failure(m->o.usage, "out of memory") : 0;
 }
 
 int maps_compute(struct maps *m, struct jobs *j)

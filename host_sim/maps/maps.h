@@ -62,10 +62,12 @@ int maps_read_time(const struct maps *m, const char *name, double *value);
  * --rows, or NULL. */
 int maps_check_files(const struct maps *m, const char *rows);
 
-/* The identity: the caller writes more of it into this stream, and closes it with maps_close_identity.
- * NULL: no memory. */
-FILE *maps_open_identity(struct maps *m, const char *kind);
-int maps_close_identity(const struct maps *m, FILE *f);
+/* Writes the value that the command took for this option, or chose where it was not given. False where it
+ * took the text or number of the command line as it is. */
+typedef bool maps_say(const void *context, const char *option, FILE *f);
+
+/* Makes the identity: kind and scene, each option that its row counts in (struct option), and the columns. */
+int maps_identify(struct maps *m, const char *kind, maps_say *say, const void *context);
 
 /* Says on stderr where the scene leaves a source paper's range; then computes all jobs: the command's
  * rows. */

@@ -1,12 +1,9 @@
 /* scene_range.c - see scene_range.h. */
 #include "host_sim/scene/scene_range.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include "host_sim/cli/unit.h"
 
-enum { WORD = 64, PARTS = 4, ADVICE = 2048 };
+enum { WORD = 64, ADVICE = 2048 };
 
 /* ---- names ---- */
 
@@ -47,7 +44,8 @@ static const char *input_of(const struct scene *s, const struct scene_range *r)
 void scene_range_label(const struct scene_range *r, char *text, size_t size)
 {
     bool bare = !*r->unit || !strcmp(r->unit, "1");
-    snprintf(text, size, bare ? "%s%s" : "%s%s (%s)", r->logarithmic ? "log10 of " : "", r->words, r->unit);
+    snprintf(text, size, bare ? "%s%s" : "%s%s (%s)", r->values.logarithmic ? "log10 of " : "", r->words,
+             r->unit);
 }
 
 bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
@@ -91,21 +89,25 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
                           options_advise(name, n, names, count, NULL, advice, sizeof advice));
 }
 
-/* A number with its unit, or in the unit of the table without one. */
-static int read_number(const struct usage *u, const struct scene_range *r, const char *text, size_t n,
-                       double *value)
+static struct range_rules rules_of(const struct scene_range *r)
 {
-    char why[UNIT_REASON];
-    const struct scene_key *k = &r->key;
-    const char *blank = *k->unit ? " " : "";
-    while (n && *text == ' ')
-        text++, n--;
-    if (!unit_read_or_bare(text, n, k->unit, value, why))
-        return options_misuse(u, "%s: %s", r->column, why);
-    if (!(*value >= k->min && *value <= k->max))
-        return options_misuse(u, "%s: %.*s is out of range; give %g to %g%s%s", r->column, (int)n, text,
-                              k->min, k->max, blank, k->unit);
-    return 0;
+    return (struct range_rules){.named = true,
+                                .unit = r->key.unit,
+                                .bare = true,
+                                .min = r->key.min,
+                                .max = r->key.max,
+                                .n_min = 2,
+                                .n_max = SCENE_RANGE_POINTS};
+}
+
+/* The value behind the equal sign. */
+static int read_number(const struct usage *u, const struct scene_range *r, const char *equal, double *value)
+{
+    struct range_rules rules = rules_of(r);
+    char why[RANGE_REASON];
+    return range_read_number(equal + 1, strlen(equal + 1), &rules, value, why)
+               ? 0
+               : options_misuse(u, "%s: %s", r->column, why);
 }
 
 void scene_range_set(struct scene *sc, const struct scene_range *r, double value)
@@ -122,7 +124,7 @@ int scene_range_setting(const struct usage *u, struct scene *s, const char *text
     if (!equal)
         return options_misuse(u, "--set %s: write NAME=VALUE", text);
     int status = scene_range_find(u, s, text, (size_t)(equal - text), also, &r);
-    status = status ? status : read_number(u, &r, equal + 1, strlen(equal + 1), &value);
+    status = status ? status : read_number(u, &r, equal, &value);
     if (!status)
         scene_range_set(s, &r, value);
     return status;
@@ -141,68 +143,29 @@ int scene_range_parameter(const struct usage *u, const struct parameter *p, cons
     struct scene_range r;
     scene_keys_parameter(p, 0, &r.key);
     snprintf(r.column, sizeof r.column, "%s", p->name);
-    return read_number(u, &r, equal + 1, strlen(equal + 1), value);
-}
-
-/* The parts FROM, TO, N and :log behind the equal sign; how many there are. */
-static int split(const char *equal, const char *part[PARTS], size_t length[PARTS])
-{
-    int n = 0;
-    for (const char *at = equal; at && n < PARTS;
-         at = at[1 + length[n - 1]] == ':' ? at + 1 + length[n - 1] : NULL) {
-        part[n] = at + 1;
-        length[n++] = strcspn(at + 1, ":");
-    }
-    return n;
+    return read_number(u, &r, equal, value);
 }
 
 int scene_range_limits(const struct usage *u, const char *option, const char *text, struct scene_range *r)
 {
-    const char *part[PARTS];
-    size_t length[PARTS];
-    char count[WORD];
-    double n;
-    int parts = split(strchr(text, '='), part, length);
-    bool logarithmic = parts == 4 && !strcmp(part[3], "log");
-    if (parts < 3 || (parts == 4 && !logarithmic))
-        return options_misuse(u, "--%s %s: write NAME=FROM:TO:N, or NAME=FROM:TO:N:log", option, text);
-    int status = read_number(u, r, part[0], length[0], &r->from);
-    status = status ? status : read_number(u, r, part[1], length[1], &r->to);
-    if (status)
-        return status;
-    snprintf(count, sizeof count, "%.*s", (int)length[2], part[2]);
-    if (!options_read_number(count, &n) || !(n >= 2.0 && n <= SCENE_RANGE_POINTS) || n != floor(n))
-        return options_misuse(u, "--%s %s: N is a whole number of values, 2 to %d", option, text,
-                              SCENE_RANGE_POINTS);
-    if (!(r->from < r->to))
-        return options_misuse(u, "--%s %s: give the smaller end first", option, text);
-    if (logarithmic && !(r->from > 0.0))
-        return options_misuse(u, "--%s %s: a logarithmic range begins above 0", option, text);
-    r->n = (int)n;
-    r->logarithmic = logarithmic;
-    return 0;
+    struct range_rules rules = rules_of(r);
+    char why[RANGE_REASON];
+    return range_read(text, &rules, &r->values, why) ? 0
+                                                     : options_misuse(u, "--%s %s: %s", option, text, why);
 }
 
 int scene_range_read(const struct usage *u, const struct scene *s, const char *option, const char *text,
                      struct scene_range *r)
 {
     const char *equal = strchr(text, '=');
-    if (!equal)
-        return options_misuse(u, "--%s %s: write NAME=FROM:TO:N, or NAME=FROM:TO:N:log", option, text);
-    int status = scene_range_find(u, s, text, (size_t)(equal - text), NULL, r);
+    *r = (struct scene_range){.input = -1};
+    int status = equal ? scene_range_find(u, s, text, (size_t)(equal - text), NULL, r) : 0;
     return status ? status : scene_range_limits(u, option, text, r);
-}
-
-double scene_range_value(const struct scene_range *r, int i)
-{
-    double part = r->n > 1 ? (double)i / (r->n - 1) : 0.0;
-    if (i == 0 || i == r->n - 1)
-        return i ? r->to : r->from;
-    return r->logarithmic ? r->from * pow(r->to / r->from, part) : r->from + (r->to - r->from) * part;
 }
 
 void scene_range_print(FILE *f, const struct scene_range *r)
 {
-    if (r->n)
-        fprintf(f, "%s %.17g %.17g %d %d\n", r->column, r->from, r->to, r->n, r->logarithmic);
+    const struct range *v = &r->values;
+    if (v->n)
+        fprintf(f, "%s %.17g %.17g %d %d", r->column, v->from, v->to, v->n, v->logarithmic);
 }

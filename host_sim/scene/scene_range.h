@@ -8,6 +8,7 @@
 #define HOST_SIM_SCENE_RANGE_H
 
 #include "host_sim/cli/options.h"
+#include "host_sim/scene/range.h"
 #include "host_sim/scene/scene_keys.h"
 
 #include <stdio.h>
@@ -21,9 +22,7 @@ struct scene_range {
     char words[SCENE_RANGE_NAME];  /* for people: "frequency of force" */
     const char *unit;              /* "" or "1" for none */
     int input;                     /* input of a drive's key, or -1 */
-    double from, to;
-    int n; /* values; 0: there is no such range */
-    bool logarithmic;
+    struct range values;           /* n 0: there is no such range */
 };
 
 /* Names of a command's own numbers, for the line that refuses one; NULL for none. */
@@ -37,7 +36,7 @@ struct scene_range_names {
 int scene_range_find(const struct usage *u, const struct scene *s, const char *name, size_t n,
                      const struct scene_range_names *also, struct scene_range *r);
 
-/* NAME=FROM:TO:N or NAME=FROM:TO:N:log, the text of --option. */
+/* NAME=FROM:TO:N or NAME=FROM:TO:N:log, the text of --option (range.h). */
 int scene_range_read(const struct usage *u, const struct scene *s, const char *option, const char *text,
                      struct scene_range *r);
 
@@ -56,8 +55,7 @@ int scene_range_parameter(const struct usage *u, const struct parameter *p, cons
  * there are no more. */
 bool scene_range_nth(const struct scene *s, int i, struct scene_range *r);
 
-/* Value i of a range, and what a value makes of the scene. */
-double scene_range_value(const struct scene_range *r, int i);
+/* What a value makes of the scene. */
 void scene_range_set(struct scene *s, const struct scene_range *r, double value);
 
 /* For an axis: its words with the unit in brackets, "log10 of" before them where the range is logarithmic. */

@@ -191,7 +191,7 @@ static int add_case(struct tests *t, const struct trial *trial, struct trial_cas
         c->first_seed = (uint32_t)options_number(t->o, "seed");
         c->n_seeds = 1;
     }
-    int runs = (int)c->n_seeds * c->n_varied;
+    int runs = (int)c->n_seeds * c->vary.n;
     if (t->n_reports == REPORTS_MAX || t->n_runs + runs > RUNS_MAX)
         return options_misuse(t->o->usage, "more than %d cases or %d runs; test fewer at once", REPORTS_MAX,
                               RUNS_MAX);
@@ -266,7 +266,7 @@ static void identify(const struct tests *t, int run, struct bench_result *r)
     r->varied = c->varied >= 0;
     r->i_varied = k / (int)c->n_seeds;
     if (r->varied)
-        r->varied_value = trial_varied_value(c, r->i_varied);
+        r->varied_value = range_value(&c->vary, r->i_varied);
 }
 
 /* In a process of its own: the result as it is in memory. */

@@ -13,7 +13,3 @@ const struct parameter *trial_parameter(const struct trial *t, int index)
     return scene_parameter(trial_model(t), index);
 }
 
-double trial_varied_value(const struct trial_case *c, int i)
-{
-    return c->vary_from + (c->vary_to - c->vary_from) * i / (c->n_varied - 1);
-}

@@ -6,6 +6,7 @@
 
 #include "host_sim/listen/decode_rows.h"
 #include "host_sim/live/action.h"
+#include "host_sim/scene/range.h"
 #include "host_sim/scene/scene_text.h"
 #include "host_sim/trial/metric.h"
 
@@ -58,9 +59,8 @@ struct trial_case {
     struct trial_plant plant;
     char link[TRIAL_VALUE]; /* faults of the link, or "" */
     uint32_t first_seed, n_seeds;
-    int varied; /* wire index, or -1 */
-    double vary_from, vary_to;
-    int n_varied;
+    int varied;        /* wire index, or -1 */
+    struct range vary; /* n 1: there is none */
     bool has_target;
     int target_signal;
     double target, band;
@@ -94,7 +94,5 @@ const struct model *trial_model(const struct trial *t);
 /* The parameter or setting with this index; NULL where there is none. */
 const struct parameter *trial_parameter(const struct trial *t, int index);
 
-/* The i-th of the case's values of `vary`, of which it has some. */
-double trial_varied_value(const struct trial_case *c, int i);
 
 #endif

@@ -9,7 +9,9 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene.h"
+#include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_keys.h"
+#include "host_sim/scene/scene_words.h"
 #include "host_sim/trial/trial_afm.h"
 
 enum { KEYS = 14 };
@@ -135,21 +137,40 @@ static bool take_seeds(struct trial_reader *r, struct word value)
     return true;
 }
 
-/* vary = NAME A .. B in N */
+/* NAME A .. B in N, as versions before wrote it, in the form NAME=A:B:N; any other text stays. */
+static void rewrite_vary(struct word value, char text[TRIAL_VALUE])
+{
+    struct word steps, from, to, rest = value, name = scene_text_take(&rest);
+    if (trial_take_tail(&rest, "in", &steps) && trial_split_range(rest, &from, &to))
+        snprintf(text, TRIAL_VALUE, "%.*s=%.*s:%.*s:%.*s", (int)name.n, name.at, (int)from.n, from.at,
+                 (int)to.n, to.at, (int)steps.n, steps.at);
+    else
+        snprintf(text, TRIAL_VALUE, "%.*s", (int)value.n, value.at);
+}
+
+/* vary = NAME=FROM:TO:N */
 static bool take_vary(struct trial_reader *r, struct word value)
 {
-    struct word steps, from, to, name = scene_text_take(&value);
-    struct action_set a = {0, 0.0}, b = {0, 0.0};
-    double n;
-    if (!trial_take_tail(&value, "in", &steps) || !trial_split_range(value, &from, &to))
-        return trial_wrong(r, "vary: write NAME A .. B in N, for instance mass 5 kg .. 8 kg in 4");
-    if (!trial_read_set(r, name, from, &a) || !trial_read_set(r, name, to, &b) ||
-        !trial_read_count(r, "vary .. in", steps, 2.0, TRIAL_STEPS, &n))
-        return false;
-    r->now->varied = (int)a.index;
-    r->now->vary_from = a.value;
-    r->now->vary_to = b.value;
-    r->now->n_varied = (int)n;
+    struct scene_key k = {.unit = ""};
+    char text[TRIAL_VALUE], why[RANGE_REASON];
+    rewrite_vary(value, text);
+    struct word name = scene_text_trimmed((struct word){text, strcspn(text, "=")});
+    int i = strchr(text, '=') ? scene_words_find(trial_model(r->trial), name, &k) : 0;
+    const struct range_rules rules = {.named = true,
+                                      .unit = k.unit,
+                                      .bare = i >= 0 && scene_text_is(name, k.full),
+                                      .min = k.min,
+                                      .max = k.max,
+                                      .n_min = 2,
+                                      .n_max = TRIAL_STEPS,
+                                      .order = RANGE_ANY_ORDER};
+    if (i < 0)
+        return trial_no_name(r, name, NULL, 0);
+    if (!range_read(text, &rules, &r->now->vary, why) ||
+        !scene_accepts(trial_model(r->trial), i, r->now->vary.from, why) ||
+        !scene_accepts(trial_model(r->trial), i, r->now->vary.to, why))
+        return trial_wrong(r, "vary %s: %s", text, why);
+    r->now->varied = i;
     return true;
 }
 

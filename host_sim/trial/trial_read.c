@@ -80,7 +80,7 @@ static bool begin_case(struct trial_reader *r, struct word name)
     r->now->plant.rate_Hz = t->plant.rate_Hz;
     r->now->plant.substeps = t->plant.substeps;
     r->now->varied = -1;
-    r->now->n_varied = 1;
+    r->now->vary.n = 1;
     r->now->first_seed = r->now->n_seeds = 1;
     r->section = TRIAL_IN_CASE;
     return trial_copy(r, name, r->now->name, sizeof r->now->name);

@@ -302,11 +302,11 @@ refuses 2 "no single Hertzian contact" basin shaft-fig16-705 --method batch_tayl
 refuses 2 "with 3 steps a period: fewer than 4 steps" basin "$dir/rig.ini" --steps 3
 refuses 2 "did you mean q_dot" basin "$dir/rig.ini" --box q_dto=0:1
 refuses 2 "no such state; there are q, q_dot" basin "$dir/rig.ini" --box position=0:1
-refuses 2 "write NAME=LO:HI" basin "$dir/rig.ini" --box q=1
+refuses 2 "write NAME=FROM:TO" basin "$dir/rig.ini" --box q=1
 refuses 2 "q is given twice" basin "$dir/rig.ini" --box q=0:1 --box q=0:2
 refuses 2 "give a number from 0 to 4294967295" basin "$dir/rig.ini" --seed -1
-refuses 2 "LO is at most HI" basin "$dir/rig.ini" --box q=1:0
-refuses 2 "the unit is missing; it is m" basin shaft-fig16-705 --box x1=0:1
+refuses 2 "smaller end first" basin "$dir/rig.ini" --box q=1:0
+refuses 2 "does not fit" basin shaft-fig16-705 --box x1=0:1N
 refuses 2 "give --out too" basin "$dir/rig.ini" --svg "$dir/x.svg"
 refuses 2 "is the scene itself" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/rig.ini"
 refuses 2 "choose two files" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/x.csv"
@@ -718,8 +718,8 @@ refuses 2 "something is missing" random
 refuses 2 "no input of this scene has noise" random rig
 refuses 2 "shorter than three steps" random nayak-random --over 0.05
 refuses 2 "more than 1e8 frames; give at most" random nayak-random --over 1e9
-refuses 2 "write LOW:HIGH" random nayak-random --range 3
-refuses 2 "lower end comes first" random nayak-random --range 3:2
+refuses 2 "write FROM:TO" random nayak-random --range 3
+refuses 2 "smaller end first" random nayak-random --range 3:2
 refuses 2 "did you mean penetration" random nayak-random --observable penetraton
 refuses 2 "more than a plant takes; give at most" random nayak-random --set force.noise=1e9
 refuses 2 "not a whole number of steps" random nayak-random --set force.noise_hold=0.11
@@ -1219,7 +1219,7 @@ has "an M4F's deadline is judged" "$dir/out" "^COST  *[0-9.]* us per frame on mp
 has "on a board with double in software the choice is another" "$dir/out" "^CHOSEN .* by rk4_float32"
 "$program" choose bbp-fig2-force --tolerance 0.01 >"$dir/out" 2>&1
 has "many contact switches under two drives, coarsely: without location" "$dir/out" "^CHOSEN *hertz_rig by rk4_unlocated"
-"$program" choose rig --sweep force=100,240,10 --tolerance 0.01 >"$dir/out" 2>"$dir/err"
+"$program" choose rig --sweep force.frequency=100:240:10 --tolerance 0.01 >"$dir/out" 2>"$dir/err"
 is "a sweep there and back, status" $? 0
 "$program" choose kb-fig7 >"$dir/out" 2>"$dir/err"
 is "a scene that escapes, status" $? 3
@@ -1229,8 +1229,8 @@ refuses 2 "asks nothing" choose hertz_rig
 refuses 2 "did you mean mps2-an500" choose rig --on mps2-an50
 refuses 2 "no deadline can be judged" choose rig --on riscv-virt
 refuses 2 "did you mean penetration" choose rig --observable penetratoin
-refuses 2 "write INPUT=HZ1,HZ2,N" choose rig --sweep base=1,2,3
-refuses 2 "fewer than 4 steps" choose rig --sweep force=100,20000,3
+refuses 2 "no input of hertz_rig that the scene drives" choose rig --sweep base=1,2,3
+refuses 2 "fewer than 4 steps" choose rig --sweep force.frequency=100:20kHz:3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
 "$program" choose kb-fig16 --out "$dir/nowhere/x.ini" >"$dir/out" 2>"$dir/err"
 is "a file that cannot be written is no verdict, status" $? 2

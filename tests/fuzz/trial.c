@@ -27,7 +27,7 @@ static void check_case(const struct trial *t, const struct trial_case *c)
     const struct model *m = t->scene.model;
     MUST(c->over_s > 0.0 && (c->n_expects > 0 || *c->golden) && c->n_expects <= TRIAL_EXPECTS &&
          c->n_acts <= TRIAL_ACTS);
-    MUST(c->n_seeds >= 1 && c->n_varied >= 1 && memchr(c->name, 0, sizeof c->name));
+    MUST(c->n_seeds >= 1 && c->vary.n >= 1 && memchr(c->name, 0, sizeof c->name));
     for (int i = 0; i < c->n_expects; i++) {
         const struct trial_expect *e = &c->expect[i];
         enum metric_of of = metric_table[e->what.kind].of;

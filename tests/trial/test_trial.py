@@ -508,7 +508,7 @@ MISTAKES = [
     (HEAD + "at 0.1 s arm force amplitude=1 N\nat 0.2 s fire force\nat 0.3 s arm force phase=1\nexpect refused == 0", 5, "waits for a fire that does not come"),
     (HEAD + "at 0.1 s stream forc 1 N", 7, "did you mean force?"), (HEAD + "at 0.1 s stream force 1 m", 7, "does not fit"),
     (HEAD + "at 0.1 s stream force", 7, "stream INPUT VALUE"), (HEAD + "at 0.1 s faults dro=1\nexpect refused == 0", 5, "did you mean drop?"),
-    (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "in N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
+    (HEAD + "vary = mass 1 kg .. 2 kg\nexpect refused == 0", 7, "write NAME=FROM:TO:N"), (HEAD + "link = dro=0.1\nexpect refused == 0", 5, "did you mean drop?"),
     (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
     (HEAD + "golden = x.log penetraton 1 um", 7, "penetraton is no signal of the bus"), (HEAD + "golden = x.log penetration 1 kg", 7, "does not fit"),
     (HEAD + "golden = x.log penetration", 7, ""),

@@ -7,33 +7,35 @@
 #include <string.h>
 
 static const struct option basin_options[] = {
-    {"starts", "N", "number of starts (1000)", OPTION_INTEGER, 1, BASIN_STARTS_MAX, .initial = "1000"},
-    {"seed", "S", "seed of the starts' places (1)", OPTION_INTEGER, 0, 4294967295.0, .initial = "1"},
-    {"box", "STATE=LO:HI",
-     "where a state starts, with unit (4 gaps or static compressions around rest, and the speeds of that "
+    {"starts", "N", "number of starts (1000)", OPTION_INTEGER, 1, BASIN_STARTS_MAX, .initial = "1000",
+     .identity = IDENTITY_INSIDE},
+    {"seed", "S", "seed of the starts' places (1)", OPTION_INTEGER, 0, 4294967295.0, .initial = "1",
+     .identity = IDENTITY_INSIDE},
+    {"box", "NAME=FROM:TO",
+     "where a state starts (4 gaps or static compressions around rest, and the speeds of that "
      "energy); "
      "repeatable",
-     OPTION_TEXT, .many = true},
+     OPTION_TEXT, .many = true, .identity = IDENTITY_INSIDE},
     {"periods", "N", "forcing periods that a motion may take to settle (20000)", OPTION_INTEGER, 1, 100000000,
-     .initial = "20000"},
+     .initial = "20000", .identity = IDENTITY_INSIDE},
     {"method", "NAME",
      "integration method, or batch_taylor, the power series of many starts side by side (the scene's; auto: "
      "batch_taylor for one Hertzian contact under at most two frequencies of force and one of stiffness, "
      "else "
      "exact or taylor)",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"steps", "N", "steps in a forcing period (the fewest, by doubling from 8, that the method takes)",
-     OPTION_INTEGER, 1, 1000000, .initial = NULL},
+     OPTION_INTEGER, 1, 1000000, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"rows", "FILE", "compute nothing: tell the attractors of the rows in FILE", OPTION_READS,
-     .initial = NULL},
+     .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {"report", "FILE", "a page with attractors and map, which opens in a browser without a network",
-     OPTION_WRITES, .initial = NULL},
+     OPTION_WRITES, .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {"svg", "FILE", "picture: start positions and velocities, coloured by attractor", OPTION_WRITES,
-     .initial = NULL},
+     .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
-static const struct usage basin_usage = {
+const struct usage basin_usage = {
     .name = "basin",
     .words = "[SCENE]",
     .summary =

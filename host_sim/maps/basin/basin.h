@@ -26,6 +26,8 @@ struct basin_row {
     int attractor;            /* its number, -1 for none; no column */
 };
 
+extern const struct usage basin_usage;
+
 /* The command line into *b: scene, method, starts, columns, identity. 0, or the exit status after a line. */
 int basin_read(struct basin *b);
 

@@ -2,7 +2,6 @@
 #include "host_sim/maps/basin/basin.h"
 #include "firmware/plant/drive.h"
 #include "host_sim/batch/batch_taylor.h"
-#include "host_sim/cli/unit.h"
 #include "models/models.h"
 
 #include <math.h>
@@ -143,31 +142,26 @@ static double place_of(const struct basin *b, int which, double shown)
     return x[which];
 }
 
-/* A paper may count the other way. False: too far away. */
-static bool set_side(const struct basin *b, int which, double low, double high, struct basin_box *box)
-{
-    double from = place_of(b, which, low), to = place_of(b, which, high);
-    box->low[which] = fmin(from, to);
-    box->high[which] = fmax(from, to);
-    return box->low[which] >= -BASIN_LIMIT && box->high[which] <= BASIN_LIMIT;
-}
-
-/* NAME=LO:HI */
+/* NAME=FROM:TO. A paper may count the other way. */
 static int read_side(const struct basin *b, const char *text, struct basin_box *box)
 {
-    const char *equal = strchr(text, '='), *colon = equal ? strchr(equal, ':') : NULL;
-    char why[UNIT_REASON] = "write NAME=LO:HI";
-    double low = 0.0, high = 0.0;
+    struct range_rules rules = {
+        .named = true, .bare = true, .min = -HUGE_VAL, .max = HUGE_VAL, .order = RANGE_UPWARDS_OR_EQUAL};
+    struct range side;
+    char why[RANGE_REASON];
     int which, status = find_state(b, text, &which);
     if (status)
         return status;
-    const char *unit = basin_unit(b, which);
-    bool good = colon && unit_read(equal + 1, (size_t)(colon - equal - 1), unit, &low, why) &&
-                unit_read(colon + 1, strlen(colon + 1), unit, &high, why);
-    if (good && !(low <= high && set_side(b, which, low, high, box)))
-        good = snprintf(why, sizeof why,
-                        "LO is at most HI, and both within 1e6 of the contact's length or speed") < 0;
-    return good ? 0 : options_misuse(b->m.o.usage, "--box %s: %s", text, why);
+    rules.unit = basin_unit(b, which);
+    if (!range_read(text, &rules, &side, why))
+        return options_misuse(b->m.o.usage, "--box %s: %s", text, why);
+    double from = place_of(b, which, side.from), to = place_of(b, which, side.to);
+    box->low[which] = fmin(from, to);
+    box->high[which] = fmax(from, to);
+    bool near = box->low[which] >= -BASIN_LIMIT && box->high[which] <= BASIN_LIMIT;
+    return near ? 0
+                : options_misuse(b->m.o.usage,
+                                 "--box %s: give ends within 1e6 of the contact's length or speed", text);
 }
 
 static int read_starts(struct basin *b)
@@ -186,17 +180,20 @@ static int read_starts(struct basin *b)
                : options_failure(b->m.o.usage, "out of memory");
 }
 
-static int identify(struct basin *b)
+static bool say(const void *context, const char *option, FILE *f)
 {
-    FILE *f = maps_open_identity(&b->m, "basin 4");
-    if (f) {
-        fprintf(f, "%s %d %g\n%d %u %d %g\n", b->plant.series ? series : b->plant.method->name,
-                b->plant.steps, b->plant.tol, b->starts.n, (unsigned)b->starts.seed, b->patience.bound,
-                b->patience.repeat);
+    const struct basin *b = context;
+    const struct basin_box *box = &b->starts.box;
+    if (!strcmp(option, "method"))
+        fprintf(f, "%s %g %g", b->plant.series ? series : b->plant.method->name, b->plant.tol, repeat);
+    else if (!strcmp(option, "steps"))
+        fprintf(f, "%d", b->plant.steps);
+    else if (!strcmp(option, "box"))
         for (int i = 0; i < b->plant.model->n_states; i++)
-            fprintf(f, "%.17g %.17g\n", b->starts.box.low[i], b->starts.box.high[i]);
-    }
-    return maps_close_identity(&b->m, f);
+            fprintf(f, "%.17g %.17g ", box->low[i], box->high[i]);
+    else
+        return false;
+    return true;
 }
 
 int basin_read(struct basin *b)
@@ -207,5 +204,5 @@ int basin_read(struct basin *b)
     status = status ? status : read_starts(b);
     if (!status)
         basin_describe_rows(b);
-    return status ? status : identify(b);
+    return status ? status : maps_identify(&b->m, "basin 4", say, b);
 }

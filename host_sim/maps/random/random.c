@@ -6,19 +6,23 @@
 
 static const struct option random_options[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,
-     .initial = "100"},
-    {"over", "TIME", "how long each one is measured (the scene's)", OPTION_TEXT, .initial = NULL},
+     .initial = "100", .identity = IDENTITY_INSIDE},
+    {"over", "TIME", "how long each one is measured (the scene's)", OPTION_TEXT, .initial = NULL,
+     .identity = IDENTITY_INSIDE},
     {"settle", "TIME", "how long it settles before (a tenth of --over, and until the damping leaves 1e-2)",
-     OPTION_TEXT, .initial = NULL},
-    {"observable", "OUTPUT", "the output that is measured (the scene's)", OPTION_TEXT, .initial = NULL},
-    {"range", "LOW:HIGH", "range of the observable (its mean and six standard deviations to both sides)",
-     OPTION_TEXT, .initial = NULL},
-    {"bins", "N", "number of equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60"},
-    {"statistics", "FILE", "the statistics of all realisations as CSV", OPTION_WRITES, .initial = NULL},
+     OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
+    {"observable", "OUTPUT", "the output that is measured (the scene's)", OPTION_TEXT, .initial = NULL,
+     .identity = IDENTITY_INSIDE},
+    {"range", "FROM:TO", "range of the observable (its mean and six standard deviations to both sides)",
+     OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
+    {"bins", "N", "number of equal parts of the range (60)", OPTION_INTEGER, 2, RANDOM_BINS, .initial = "60",
+     .identity = IDENTITY_INSIDE},
+    {"statistics", "FILE", "the statistics of all realisations as CSV", OPTION_WRITES, .initial = NULL,
+     .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
-static const struct usage random_usage = {
+const struct usage random_usage = {
     .name = "random",
     .words = "SCENE",
     .summary = "Computes statistics of a scene with noise over many realisations: density of the observable, "

@@ -44,6 +44,8 @@ static inline double random_edge(const struct random_runs *r, int i)
     return r->low + (r->high - r->low) * i / r->n_bins;
 }
 
+extern const struct usage random_usage;
+
 /* The command line into *r. 0, or the exit status after a line. */
 int random_read(struct random_runs *r);
 

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/scene/scene_check.h"
-#include "host_sim/cli/unit.h"
 
 #define misuse(r, ...) options_misuse((r)->m.o.usage, __VA_ARGS__)
 
@@ -75,21 +74,18 @@ static int read_times(struct random_runs *r)
     return status;
 }
 
-/* LOW:HIGH */
 static int read_range(struct random_runs *r)
 {
-    const char *text = options_text(&r->m.o, "range", 0), *colon = strchr(text, ':');
-    char why[UNIT_REASON];
-    if (!colon)
-        return misuse(r, "--range %s: write LOW:HIGH", text);
-    for (int i = 0; i < 2; i++) {
-        const char *part = i ? colon + 1 : text;
-        size_t n = i ? strlen(part) : (size_t)(colon - text);
-        double *value = i ? &r->high : &r->low;
-        if (!unit_read_or_bare(part, n, unit_of(r), value, why))
-            return misuse(r, "--range %s: %s", text, why);
-    }
-    return r->low < r->high ? 0 : misuse(r, "--range %s: the lower end comes first; write LOW:HIGH", text);
+    const char *text = options_text(&r->m.o, "range", 0);
+    const struct range_rules rules = {
+        .unit = unit_of(r), .bare = true, .min = -HUGE_VAL, .max = HUGE_VAL, .order = RANGE_UPWARDS};
+    struct range range;
+    char why[RANGE_REASON];
+    if (!range_read(text, &rules, &range, why))
+        return misuse(r, "--range %s: %s", text, why);
+    r->low = range.from;
+    r->high = range.to;
+    return 0;
 }
 
 /* Finds a range from a fifth of the first realisation. */
@@ -148,13 +144,20 @@ static void describe_rows(struct random_runs *r)
     }
 }
 
-static int identify(struct random_runs *r)
+static bool say(const void *context, const char *option, FILE *f)
 {
-    FILE *f = maps_open_identity(&r->m, "random");
-    if (f)
-        fprintf(f, "%s %.17g %.17g %.17g %d %d %.17g %.17g\n", r->m.method->name, r->m.tol, r->over,
-                r->settle, r->n, r->n_bins, r->low, r->high);
-    return maps_close_identity(&r->m, f);
+    const struct random_runs *r = context;
+    if (!strcmp(option, "over"))
+        fprintf(f, "%.17g", r->over);
+    else if (!strcmp(option, "settle"))
+        fprintf(f, "%.17g", r->settle);
+    else if (!strcmp(option, "range"))
+        fprintf(f, "%.17g %.17g", r->low, r->high);
+    else if (!strcmp(option, "observable"))
+        fputs(r->m.scene.model->output_signal[(int)r->m.scene.observable].name, f);
+    else
+        return false;
+    return true;
 }
 
 int random_read(struct random_runs *r)
@@ -178,5 +181,5 @@ int random_read(struct random_runs *r)
         return options_failure(r->m.o.usage, "out of memory");
     status = options_given(&r->m.o, "range") ? read_range(r) : choose_range(r);
     describe_rows(r);
-    return status ? status : identify(r);
+    return status ? status : maps_identify(&r->m, "random", say, r);
 }

@@ -9,22 +9,23 @@
 
 static const struct option stability_options[] = {
     {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",
-     OPTION_TEXT, .initial = "floquet"},
+     OPTION_TEXT, .initial = "floquet", .identity = IDENTITY_INSIDE},
     {"x", "NAME=FROM:TO:N",
      "the number across; :log behind it for equal ratios (the modulation's frequency from 0.25 to 2.5 times "
      "the "
      "contact's, 200; or the step)",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"y", "NAME=FROM:TO:N",
      "the number upwards (the modulation from 0 to all of the stiffness, 100; or the stiffness)", OPTION_TEXT,
-     .initial = NULL},
-    {"step", "TIME", "step of the method (the scene's)", OPTION_TEXT, .initial = NULL},
+     .initial = NULL, .identity = IDENTITY_INSIDE},
+    {"step", "TIME", "step of the method (the scene's)", OPTION_TEXT, .initial = NULL,
+     .identity = IDENTITY_INSIDE},
     {"periods", "N", "periods of the contact at rest that --map contact runs (50)", OPTION_INTEGER, 2, 1e6,
-     .initial = "50"},
+     .initial = "50", .identity = IDENTITY_INSIDE},
     {.name = NULL},
 };
 
-static const struct usage stability_usage = {
+const struct usage stability_usage = {
     .name = "stability",
     .words = "[SCENE]",
     .summary =
@@ -48,10 +49,10 @@ static bool compute(void *context, int job, FILE *rows)
     const struct stability *s = context;
     struct scene scene = s->m.scene;
     double cell[CONTACT_COLUMNS + FLOQUET_COLUMNS];
-    cell[0] = scene_range_value(&s->y, job);
+    cell[0] = range_value(&s->y.values, job);
     scene_range_set(&scene, &s->y, cell[0]);
-    for (int i = 0; i < s->x.n; i++) {
-        cell[1] = scene_range_value(&s->x, i);
+    for (int i = 0; i < s->x.values.n; i++) {
+        cell[1] = range_value(&s->x.values, i);
         scene_range_set(&scene, &s->x, cell[1]);
         const char *why =
             (s->map == STABILITY_FLOQUET ? stability_floquet_cell : stability_contact_cell)(s, &scene, cell);
@@ -70,16 +71,16 @@ static bool compute(void *context, int job, FILE *rows)
 static bool ends(void *context, int job, const char *row)
 {
     const struct stability *s = context;
-    double last = scene_range_value(&s->x, s->x.n - 1), cell[CONTACT_COLUMNS + FLOQUET_COLUMNS];
+    double last = range_value(&s->x.values, s->x.values.n - 1), cell[CONTACT_COLUMNS + FLOQUET_COLUMNS];
     (void)job;
     return rows_read(&s->m.rows, row, cell) && fabs(cell[1] - last) <= 1e-9 * fabs(last);
 }
 
 static int run(struct stability *s)
 {
-    struct jobs j = {.n = s->y.n,
+    struct jobs j = {.n = s->y.values.n,
                      .compute = compute,
-                     .parts = s->map == STABILITY_CONTACT ? s->x.n : 0,
+                     .parts = s->map == STABILITY_CONTACT ? s->x.values.n : 0,
                      .ends = ends,
                      .context = s};
     int status = maps_compute(&s->m, &j);

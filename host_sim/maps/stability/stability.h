@@ -36,6 +36,8 @@ enum {
     CONTACT_COLUMNS
 };
 
+extern const struct usage stability_usage;
+
 /* The command line into *s. 0, or the exit status after a line. */
 int stability_read(struct stability *s);
 

@@ -45,12 +45,12 @@ static const struct panel switches_panel = {
 
 static double on_axis(const struct scene_range *r, double value)
 {
-    return r->logarithmic ? log10(value) : value;
+    return r->values.logarithmic ? log10(value) : value;
 }
 
 static double half_cell(const struct scene_range *r)
 {
-    return 0.5 * (on_axis(r, r->to) - on_axis(r, r->from)) / (r->n - 1);
+    return 0.5 * (on_axis(r, r->values.to) - on_axis(r, r->values.from)) / (r->values.n - 1);
 }
 
 /* Cells of kind k; neighbours side by side become one rectangle. */
@@ -62,7 +62,7 @@ static void draw_kind(struct picture *p, const struct panel *panel, int k)
     for (int i = 0; i < p->t.n; i++) {
         const double *cell = rows_row(&p->t, i);
         double x = on_axis(&s->x, cell[1]), y = on_axis(&s->y, cell[0]);
-        bool goes_on = n && i % s->x.n && panel->kind(rows_row(&p->t, i - 1)) == k;
+        bool goes_on = n && i % s->x.values.n && panel->kind(rows_row(&p->t, i - 1)) == k;
         if (panel->kind(cell) != k)
             continue;
         n += !goes_on;
@@ -83,7 +83,8 @@ static void draw_panel(struct picture *p, const struct panel *panel)
     char label[LABEL], words[LABEL];
     scene_range_label(&s->y, words, sizeof words);
     snprintf(label, sizeof label, "%.40s: %.100s, upwards", panel->what, words);
-    chart_panel(&p->c, label, panel->height, on_axis(&s->y, s->y.from) - dy, on_axis(&s->y, s->y.to) + dy);
+    chart_panel(&p->c, label, panel->height, on_axis(&s->y, s->y.values.from) - dy,
+                on_axis(&s->y, s->y.values.to) + dy);
     for (int k = 0; k < KINDS && panel->legend[k].name; k++)
         draw_kind(p, panel, k);
 }
@@ -94,9 +95,9 @@ static void draw(struct picture *p)
     char title[LABEL], text[LABEL];
     double dx = half_cell(&s->x);
     snprintf(title, sizeof title, "contactplant stability %.*s", utf8_fits(s->m.name, 100), s->m.name);
-    snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, s->x.n, s->y.n);
+    snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, s->x.values.n, s->y.values.n);
     chart_begin(&p->c, title, text);
-    chart_x_range(&p->c, on_axis(&s->x, s->x.from) - dx, on_axis(&s->x, s->x.to) + dx);
+    chart_x_range(&p->c, on_axis(&s->x, s->x.values.from) - dx, on_axis(&s->x, s->x.values.to) + dx);
     if (s->map == STABILITY_FLOQUET) {
         draw_panel(p, &floquet_panel);
     } else {

@@ -57,14 +57,6 @@ static int read_axis(const struct stability *s, const char *option, struct scene
     return scene_range_limits(s->m.o.usage, option, text, r);
 }
 
-static void set_axis(struct scene_range *r, double from, double to, int n, bool logarithmic)
-{
-    r->from = from;
-    r->to = to;
-    r->n = n;
-    r->logarithmic = logarithmic;
-}
-
 /* Default axes of a floquet map: the modulation's frequency about the contact's, its amplitude up to the
  * stiffness. */
 static const char *choose_floquet(struct stability *s)
@@ -75,19 +67,19 @@ static const char *choose_floquet(struct stability *s)
     const char *why = stability_tangent_of(&sc, &t);
     if (why)
         return why;
-    if (!s->x.n) {
+    if (!s->x.values.n) {
         if (!maps_find_drive_number(&sc, t.input, true, &s->x, &unit))
             return "no number of this scene is the modulation's frequency alone; give --x";
         double natural = sqrt(t.stiffness) / t.time_s / unit;
-        set_axis(&s->x, 0.25 * natural, 2.5 * natural, X_DEFAULT, false);
+        s->x.values = (struct range){0.25 * natural, 2.5 * natural, X_DEFAULT, false};
     }
-    if (!s->y.n) {
+    if (!s->y.values.n) {
         if (!maps_find_drive_number(&sc, t.input, false, &s->y, &unit))
             return "no number of this scene is the modulation's amplitude alone; give --y";
-        scene_range_set(&sc, &s->x, s->x.to);
+        scene_range_set(&sc, &s->x, s->x.values.to);
         scene_range_set(&sc, &s->y, 1.0);
         (void)stability_tangent_of(&sc, &t);
-        set_axis(&s->y, 0.0, t.stiffness / t.modulation, Y_DEFAULT, false);
+        s->y.values = (struct range){0.0, t.stiffness / t.modulation, Y_DEFAULT, false};
     }
     return NULL;
 }
@@ -99,17 +91,17 @@ static const char *choose_contact(struct stability *s)
     struct maps_point q;
     maps_resolve(sc, &q);
     double time_s = q.scale.time_s / sc->model->eigenfrequency(q.p);
-    if (!s->x.n) {
+    if (!s->x.values.n) {
         step_key(sc, &s->x);
-        set_axis(&s->x, 0.05 * time_s, 3.0 * time_s, CONTACT_DEFAULT, true);
+        s->x.values = (struct range){0.05 * time_s, 3.0 * time_s, CONTACT_DEFAULT, true};
     }
-    for (int i = 0; !s->y.n && scene_range_nth(sc, i, &s->y); i++) {
+    for (int i = 0; !s->y.values.n && scene_range_nth(sc, i, &s->y); i++) {
         if (s->y.input >= 0 || s->y.key.kind != KEY_NUMBER || !strstr(s->y.key.name, "stiffness"))
             continue;
         double value = scene_keys_value(sc, &s->y.key);
-        set_axis(&s->y, 0.1 * value, 10.0 * value, CONTACT_DEFAULT, true);
+        s->y.values = (struct range){0.1 * value, 10.0 * value, CONTACT_DEFAULT, true};
     }
-    return s->y.n ? NULL : "no number of this scene is called stiffness; give --y";
+    return s->y.values.n ? NULL : "no number of this scene is called stiffness; give --y";
 }
 
 static int read_axes(struct stability *s)
@@ -165,7 +157,7 @@ static int check_corners(const struct stability *s)
 {
     for (int i = 0; i < 4; i++) {
         struct scene sc = s->m.scene;
-        double x = i % 2 ? s->x.to : s->x.from, y = i / 2 ? s->y.to : s->y.from;
+        double x = i % 2 ? s->x.values.to : s->x.values.from, y = i / 2 ? s->y.values.to : s->y.values.from;
         scene_range_set(&sc, &s->y, y);
         scene_range_set(&sc, &s->x, x);
         const char *why = (s->map == STABILITY_FLOQUET ? check_floquet : check_contact)(s, &sc);
@@ -203,16 +195,18 @@ static void describe_rows(struct stability *s)
         rows_add(&s->m.rows, s->map == STABILITY_FLOQUET ? &floquet_columns[i] : &contact_columns[i]);
 }
 
-static int identify(struct stability *s)
+static bool say(const void *context, const char *option, FILE *f)
 {
-    FILE *f = maps_open_identity(&s->m, "stability");
-    if (f) {
+    const struct stability *s = context;
+    if (!strcmp(option, "x"))
         scene_range_print(f, &s->x);
+    else if (!strcmp(option, "y"))
         scene_range_print(f, &s->y);
-        fprintf(f, "%s %.17g %.17g %d %s\n", s->m.method->name, s->m.tol, s->m.scene.frame_s, s->periods,
-                s->m.rows.header);
-    }
-    return maps_close_identity(&s->m, f);
+    else if (!strcmp(option, "step"))
+        fprintf(f, "%.17g", s->m.scene.frame_s);
+    else
+        return false;
+    return true;
 }
 
 int stability_read(struct stability *s)
@@ -238,5 +232,5 @@ int stability_read(struct stability *s)
     status = status ? status : check_corners(s);
     status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
     describe_rows(s);
-    return status ? status : identify(s);
+    return status ? status : maps_identify(&s->m, "stability", say, s);
 }

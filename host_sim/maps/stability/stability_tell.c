@@ -50,7 +50,7 @@ static bool plant_is_unstable(const double *cell)
 static void tell_tongues(const struct stability *s, const struct rows_table *t, FILE *f)
 {
     char a[UNIT_TEXT], b[UNIT_TEXT];
-    int told = 0, first = t->n - s->x.n;
+    int told = 0, first = t->n - s->x.values.n;
     for (int i = first; i < t->n; i++) {
         const double *cell = rows_row(t, i), *before = i > first ? rows_row(t, i - 1) : NULL;
         int end = i;
@@ -72,10 +72,10 @@ static void tell(const void *context, const struct rows_table *t, FILE *f)
     const struct stability *s = context;
     char a[UNIT_TEXT], b[UNIT_TEXT];
     fprintf(f, "%s by %s\n", s->m.name, s->m.method->name);
-    fprintf(f, "across: %s from %s to %s\n", s->x.words, maps_in_words(s->x.from, s->x.unit, a),
-            maps_in_words(s->x.to, s->x.unit, b));
-    fprintf(f, "upwards: %s from %s to %s\n", s->y.words, maps_in_words(s->y.from, s->y.unit, a),
-            maps_in_words(s->y.to, s->y.unit, b));
+    fprintf(f, "across: %s from %s to %s\n", s->x.words, maps_in_words(s->x.values.from, s->x.unit, a),
+            maps_in_words(s->x.values.to, s->x.unit, b));
+    fprintf(f, "upwards: %s from %s to %s\n", s->y.words, maps_in_words(s->y.values.from, s->y.unit, a),
+            maps_in_words(s->y.values.to, s->y.unit, b));
     if (s->map == STABILITY_CONTACT) {
         tell_count(f, "energy lost, 5 % and more", count(t, stability_energy_kind, 0), t->n);
         tell_count(f, "energy made, 5 % and more",

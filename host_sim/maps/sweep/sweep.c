@@ -9,23 +9,24 @@ static const struct option sweep_options[] = {
     {"sweep", "NAME=FROM:TO:N",
      "N values of a number of the scene, up and down; :log behind it for equal ratios "
      "(the slowest drive's frequency from half to twice the scene's, 200)",
-     OPTION_TEXT, .initial = NULL},
+     OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"family", "NAME=FROM:TO:N", "the sweep for N values of another number, a curve for each", OPTION_TEXT,
-     .initial = NULL},
+     .initial = NULL, .identity = IDENTITY_INSIDE},
     {"settle", "PERIODS", "drive periods before each point is measured (until the damping leaves 1e-4)",
-     OPTION_INTEGER, 0, 1e6, .initial = NULL},
+     OPTION_INTEGER, 0, 1e6, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"measure", "PERIODS",
      "drive periods measured, in two halves: rows have the second (12, more for subharmonics)",
-     OPTION_INTEGER, 4, 1000, .initial = NULL},
-    {"harmonics", "N,N/M,..", "harmonics of the drive to measure (1,2,3)", OPTION_TEXT, .initial = "1,2,3"},
+     OPTION_INTEGER, 4, 1000, .initial = NULL, .identity = IDENTITY_INSIDE},
+    {"harmonics", "N,N/M,..", "harmonics of the drive to measure (1,2,3)", OPTION_TEXT, .initial = "1,2,3",
+     .identity = IDENTITY_INSIDE},
     {"bracket", "E", "width of a jump's bracket, relative to its place (1e-4)", OPTION_NUMBER, 1e-9, 1e-1,
-     .initial = "1e-4"},
+     .initial = "1e-4", .identity = IDENTITY_INSIDE},
     {"report", "FILE", "a page with charts of the rows in --out, which opens in a browser without a network",
-     OPTION_WRITES, .initial = NULL},
+     OPTION_WRITES, .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
-static const struct usage sweep_usage = {
+const struct usage sweep_usage = {
     .name = "sweep",
     .words = "[SCENE]",
     .summary =
@@ -52,9 +53,9 @@ int cmd_sweep(int argc, char **argv)
         return status;
     status = sweep_read(&s);
     status = status ? status : sweep_check_report(&s);
-    struct jobs j = {.n = s.family.n ? s.family.n : 1,
+    struct jobs j = {.n = s.family.values.n ? s.family.values.n : 1,
                      .compute = sweep_chain,
-                     .parts = 2 * s.range.n,
+                     .parts = 2 * s.range.values.n,
                      .ends = sweep_chain_ends,
                      .resume = sweep_resume,
                      .context = &s};

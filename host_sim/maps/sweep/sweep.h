@@ -100,6 +100,8 @@ struct sweep {
     double *scratch;    /* the method's scratch memory */
 };
 
+extern const struct usage sweep_usage;
+
 /* The command line into *s. 0, or the exit status after a line. */
 int sweep_read(struct sweep *s);
 

@@ -33,8 +33,9 @@ static void tell_points(const struct sweep *s, int job, int n, const char *kind,
                         double from, double to)
 {
     char family[SCENE_RANGE_NAME + 32] = "";
-    if (s->family.n)
-        snprintf(family, sizeof family, ", %s = %.9g", s->family.column, scene_range_value(&s->family, job));
+    if (s->family.values.n)
+        snprintf(family, sizeof family, ", %s = %.9g", s->family.column,
+                 range_value(&s->family.values, job));
     fprintf(stderr, "contactplant sweep: %s: %d point%s; %s between %s = %.9g and %.9g%s\n", kind, n,
             n > 1 ? "s" : "", not_looked_for, s->range.column, from, to, family);
 }
@@ -83,7 +84,7 @@ static void write_row(const struct chain *c, enum sweep_kind kind, const struct 
 {
     struct sweep_result row = *r;
     row.kind = kind;
-    row.down = c->i >= c->s->range.n;
+    row.down = c->i >= c->s->range.values.n;
     row.motions = 1 + c->n_others;
     row.family = c->family;
     rows_write(&c->s->m.rows, &row, !r->escaped, c->rows);
@@ -95,7 +96,7 @@ static bool read_row(const struct sweep *s, const char *line, struct sweep_resul
     struct scene scene = s->m.scene;
     if (!rows_read(&s->m.rows, line, r))
         return false;
-    if (s->family.n)
+    if (s->family.values.n)
         scene_range_set(&scene, &s->family, r->family);
     scene_range_set(&scene, &s->range, r->value);
     r->escaped = r->kind == SWEEP_ESCAPED;
@@ -192,7 +193,8 @@ static bool add_point(struct chain *c, struct sweep_result *last)
 {
     const struct scene_range *range = &c->s->range;
     struct sweep_result now;
-    double value = scene_range_value(range, c->i < range->n ? c->i : 2 * range->n - 1 - c->i);
+    double value =
+        range_value(&range->values, c->i < range->values.n ? c->i : 2 * range->values.n - 1 - c->i);
     bool wandered = !last->escaped && !sweep_steady(last);
     if (!sweep_step(&c->step, last, value, &now) || !add_jumps(c) ||
         (wandered && sweep_steady(&now) && !(repeat(c, last, &now) && repeat_slowly(c, last, &now))) ||
@@ -251,7 +253,7 @@ bool sweep_chain_ends(void *context, int job, const char *row)
     struct sweep_result r;
     (void)job;
     return read_row(s, row, &r) && r.kind <= SWEEP_ESCAPED && r.down &&
-           fabs(r.value - s->range.from) <= 1e-12 * fabs(s->range.from);
+           fabs(r.value - s->range.values.from) <= 1e-12 * fabs(s->range.values.from);
 }
 
 bool sweep_chain(void *context, int job, FILE *rows)
@@ -259,8 +261,8 @@ bool sweep_chain(void *context, int job, FILE *rows)
     struct sweep *s = context;
     struct chain c = {.s = s, .scene = s->m.scene, .job = job};
     struct sweep_result last = {.escaped = true}; /* no point yet */
-    if (s->family.n) {
-        c.family = scene_range_value(&s->family, job);
+    if (s->family.values.n) {
+        c.family = range_value(&s->family.values, job);
         scene_range_set(&c.scene, &s->family, c.family);
     }
     c.step = (struct step){.s = s, .scene = &c.scene};
@@ -271,7 +273,7 @@ bool sweep_chain(void *context, int job, FILE *rows)
         s->gap = s->others = (struct sweep_gap){0};
         s->seen = 0.0;
     }
-    for (; c.i < 2 * s->range.n; c.i++) {
+    for (; c.i < 2 * s->range.values.n; c.i++) {
         if (!add_piece(&c, &last, rows)) {
             fputs(c.step.why ? c.step.why : "out of memory", rows);
             return false;

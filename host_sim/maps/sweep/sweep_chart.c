@@ -25,7 +25,7 @@ struct picture {
 
 static double on_axis(const struct picture *p, double value)
 {
-    return p->s->range.logarithmic ? log10(value) : value;
+    return p->s->range.values.logarithmic ? log10(value) : value;
 }
 
 /* The name of a chain in the legend of the first panel, or NULL. */
@@ -34,16 +34,16 @@ static const char *legend_of(const struct picture *p, int chain, char text[SWEEP
     const struct scene_range *f = &p->s->family;
     if (p->c.n_panels > 1)
         return NULL;
-    if (!f->n)
+    if (!f->values.n)
         return chain == 0 ? "up" : "down";
-    snprintf(text, SWEEP_LABEL, "%.4g", scene_range_value(f, chain / 2));
-    bool shown = f->n <= LEGENDS || chain == 0 || chain == 2 * f->n - 2;
+    snprintf(text, SWEEP_LABEL, "%.4g", range_value(&f->values, chain / 2));
+    bool shown = f->values.n <= LEGENDS || chain == 0 || chain == 2 * f->values.n - 2;
     return chain % 2 == 0 && shown ? text : NULL;
 }
 
 static enum chart_colour colour_of(const struct picture *p, int chain)
 {
-    if (!p->s->family.n)
+    if (!p->s->family.values.n)
         return chain == 0 ? CHART_BLUE : CHART_RED;
     return (enum chart_colour)(chain / 2 % COLOURS);
 }
@@ -51,7 +51,7 @@ static enum chart_colour colour_of(const struct picture *p, int chain)
 /* A dashed line at each jump; not for a family, whose curves show their own. */
 static void mark_jumps(struct picture *p)
 {
-    for (int i = 0; i < p->t.n && !p->s->family.n; i++) {
+    for (int i = 0; i < p->t.n && !p->s->family.values.n; i++) {
         char label[SWEEP_LABEL];
         snprintf(label, sizeof label, "%.4g", p->row[i].value);
         if (p->row[i].kind == SWEEP_TO)
@@ -106,11 +106,12 @@ static void draw(struct picture *p)
     snprintf(title, sizeof title, "contactplant sweep %.*s", utf8_fits(s->m.name, 100), s->m.name);
     char settled[SWEEP_LABEL];
     sweep_say_settled(s, settled);
-    int n = snprintf(text, sizeof text, "%d points up and down, each settled %s; ", s->range.n, settled);
-    snprintf(text + n, sizeof text - (size_t)n, s->family.n ? "a colour for each %s" : "dashed: jumps",
+    int n =
+        snprintf(text, sizeof text, "%d points up and down, each settled %s; ", s->range.values.n, settled);
+    snprintf(text + n, sizeof text - (size_t)n, s->family.values.n ? "a colour for each %s" : "dashed: jumps",
              s->family.words);
     chart_begin(&p->c, title, text);
-    chart_x_range(&p->c, on_axis(p, s->range.from), on_axis(p, s->range.to));
+    chart_x_range(&p->c, on_axis(p, s->range.values.from), on_axis(p, s->range.values.to));
     draw_harmonics(p);
     if (m->n_contacts > 0) {
         draw_panel(p, AT(measured.out_of_contact), NULL, 80.0);
@@ -122,7 +123,7 @@ static void draw(struct picture *p)
 
 int sweep_chart(const struct sweep *s)
 {
-    struct picture p = {.s = s, .n_chains = s->family.n ? 2 * s->family.n : 2};
+    struct picture p = {.s = s, .n_chains = s->family.values.n ? 2 * s->family.values.n : 2};
     int status = rows_load(&s->m.o, &s->m.rows, options_text(&s->m.o, "out", 0), &p.t);
     p.row = (const void *)p.t.row;
     p.x = calloc((size_t)p.t.n + 1, 3 * sizeof *p.x);

@@ -23,10 +23,7 @@ static int choose_range(const struct sweep *s, struct scene_range *r)
     if (!maps_find_drive_number(&s->m.scene, sweep_reference(&s->m.scene), true, r, &factor))
         return misuse(s, "which number is to be swept? give --sweep NAME=FROM:TO:N");
     double value = scene_keys_value(&s->m.scene, &r->key);
-    r->from = 0.5 * value;
-    r->to = 2.0 * value;
-    r->n = POINTS_DEFAULT;
-    r->logarithmic = false;
+    r->values = (struct range){0.5 * value, 2.0 * value, POINTS_DEFAULT, false};
     return 0;
 }
 
@@ -40,9 +37,9 @@ static int read_ranges(struct sweep *s)
         return status;
     struct scene middle = s->m.scene; /* with the drives that the ranges make sound */
     if (family)
-        scene_range_set(&middle, &s->family, s->family.to);
+        scene_range_set(&middle, &s->family, s->family.values.to);
     if (range)
-        scene_range_set(&middle, &s->range, s->range.to);
+        scene_range_set(&middle, &s->range, s->range.values.to);
     s->reference = range && s->range.input >= 0 ? s->range.input : sweep_reference(&middle);
     if (s->reference < 0)
         return misuse(s, "no drive sounds in this scene; give it one, --set INPUT.amplitude=A and --set "
@@ -130,9 +127,9 @@ static int check_ends(struct sweep *s)
     for (int i = 0; i < 4; i++) {
         struct scene sc = s->m.scene;
         char text[UNIT_TEXT];
-        double value = i % 2 ? s->range.to : s->range.from;
-        if (s->family.n)
-            scene_range_set(&sc, &s->family, i / 2 ? s->family.to : s->family.from);
+        double value = i % 2 ? s->range.values.to : s->range.values.from;
+        if (s->family.values.n)
+            scene_range_set(&sc, &s->family, i / 2 ? s->family.values.to : s->family.values.from);
         scene_range_set(&sc, &s->range, value);
         silent = silent && sc.drive[input].amplitude == 0.0;
         int status = check_noise(s, &sc);
@@ -201,7 +198,7 @@ static void describe_rows(struct sweep *s)
         "end_phases", "", "of the drives", ROWS_TURNS, .offset = AT(end.phase), .count = m->n_inputs};
     rows_begin(t, sizeof(struct sweep_result));
     for (int i = 0; i < 4; i++)
-        if (i != 2 || s->family.n)
+        if (i != 2 || s->family.values.n)
             rows_add(t, &row[i]);
     t->n_given = t->n;
     add_harmonics(s, unit);
@@ -216,16 +213,20 @@ static void describe_rows(struct sweep *s)
     rows_add(t, &phases);
 }
 
-static int identify(struct sweep *s)
+static bool say(const void *context, const char *option, FILE *f)
 {
-    FILE *f = maps_open_identity(&s->m, "sweep 5");
-    if (f) {
+    const struct sweep *s = context;
+    if (!strcmp(option, "sweep"))
         scene_range_print(f, &s->range);
+    else if (!strcmp(option, "family"))
         scene_range_print(f, &s->family);
-        fprintf(f, "%s %.17g %d %d %.17g %s\n", s->m.method->name, s->m.tol, s->settle, s->measure,
-                s->bracket, s->m.rows.header);
-    }
-    return maps_close_identity(&s->m, f);
+    else if (!strcmp(option, "settle"))
+        fprintf(f, "%d", s->settle);
+    else if (!strcmp(option, "measure"))
+        fprintf(f, "%d", s->measure);
+    else
+        return false;
+    return true;
 }
 
 int sweep_read(struct sweep *s)
@@ -242,5 +243,5 @@ int sweep_read(struct sweep *s)
     status = s->scratch ? check_ends(s) : options_failure(s->m.o.usage, "out of memory");
     status = status ? status : maps_check_files(&s->m, options_text(&s->m.o, "out", 0));
     describe_rows(s);
-    return status ? status : identify(s);
+    return status ? status : maps_identify(&s->m, "sweep 5", say, s);
 }

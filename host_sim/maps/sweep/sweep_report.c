@@ -53,7 +53,7 @@ static void begin_chart(struct report *p, size_t offset, const char *name)
 
 static int chains(const struct report *p)
 {
-    return p->s->family.n ? 2 * p->s->family.n : 2;
+    return p->s->family.values.n ? 2 * p->s->family.values.n : 2;
 }
 
 static void put_curve(struct report *p, size_t offset, const char *name)
@@ -61,7 +61,7 @@ static void put_curve(struct report *p, size_t offset, const char *name)
     begin_chart(p, offset, name);
     for (int chain = 0; chain < chains(p); chain++)
         put_chain(p, chain, offset, 0, p->t.n);
-    for (int i = 0; i < p->t.n && !p->s->family.n; i++)
+    for (int i = 0; i < p->t.n && !p->s->family.values.n; i++)
         if (p->row[i].kind == SWEEP_TO)
             html_marker(&p->h, p->row[i].value, "%.6g", p->row[i].value);
 }
@@ -124,8 +124,8 @@ static void put_words(struct report *p)
     const struct sweep *s = p->s;
     int jumps = count(p, SWEEP_TO), loose = count(p, SWEEP_UNSETTLED), escaped = count(p, SWEEP_ESCAPED);
     html_words(&p->h, "%s by method %s: %s from %.9g to %.9g in %d points, up and down.",
-               s->m.scene.model->name, s->m.method->name, s->range.column, s->range.from, s->range.to,
-               s->range.n);
+               s->m.scene.model->name, s->m.method->name, s->range.column, s->range.values.from,
+               s->range.values.to, s->range.values.n);
     if (jumps)
         html_words(&p->h, "Jumps located by bisection: %d.", jumps);
     else

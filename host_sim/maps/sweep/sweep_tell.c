@@ -16,9 +16,9 @@ bool sweep_is_jump(const struct sweep_result *row, int i)
 const char *sweep_chain_name(const struct sweep *s, int chain, char text[SWEEP_LABEL])
 {
     const struct scene_range *f = &s->family;
-    if (!f->n)
+    if (!f->values.n)
         return chain % 2 ? "down" : "up";
-    snprintf(text, SWEEP_LABEL, "%.9g %s", scene_range_value(f, chain / 2), chain % 2 ? "down" : "up");
+    snprintf(text, SWEEP_LABEL, "%.9g %s", range_value(&f->values, chain / 2), chain % 2 ? "down" : "up");
     return text;
 }
 
@@ -77,8 +77,8 @@ static void tell(const void *context, const struct rows_table *t, FILE *f)
         escaped += row[i].kind == SWEEP_ESCAPED;
     }
     fprintf(f, "%s, %s from %s to %s in %d points, up and down\n", s->m.name, s->range.words,
-            maps_in_words(s->range.from, s->range.unit, a), maps_in_words(s->range.to, s->range.unit, b),
-            s->range.n);
+            maps_in_words(s->range.values.from, s->range.unit, a),
+            maps_in_words(s->range.values.to, s->range.unit, b), s->range.values.n);
     if (largest >= 0)
         fprintf(f, "largest %s: %s at %s%s\n", name,
                 maps_in_words(row[largest].measured.amplitude[0], unit, a),

@@ -448,7 +448,7 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
     memset(&p, 0, sizeof p);
     const char *refused = t->is_microscope ? trial_afm_refuse(c) : NULL;
     snprintf(reason, sizeof reason, "%s", refused ? refused : "");
-    bool good = !refused && bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary_to : NULL, reason);
+    bool good = !refused && bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary.to : NULL, reason);
     faults_init(&faults, &none, 1);
     if (good && *c->link)
         good = fault_list_read(&faults, c->link, p.scene.config.frame_s, reason);

@@ -132,9 +132,9 @@ static char *fill(const struct bench_setting *s, const struct scene_app *scene,
 static int write_varied(const struct trial_case *c, int i, char *text, size_t size)
 {
     char before[NUMBER], behind[NUMBER], own[NUMBER];
-    snprintf(own, sizeof own, "%.6g", trial_varied_value(c, i));
-    snprintf(before, sizeof before, "%.6g", trial_varied_value(c, i > 0 ? i - 1 : i + 1));
-    snprintf(behind, sizeof behind, "%.6g", trial_varied_value(c, i + 1 < c->n_varied ? i + 1 : i - 1));
+    snprintf(own, sizeof own, "%.6g", range_value(&c->vary, i));
+    snprintf(before, sizeof before, "%.6g", range_value(&c->vary, i > 0 ? i - 1 : i + 1));
+    snprintf(behind, sizeof behind, "%.6g", range_value(&c->vary, i + 1 < c->vary.n ? i + 1 : i - 1));
     bool alone = strcmp(own, before) && strcmp(own, behind);
     return alone ? snprintf(text, size, ".%s", own) : snprintf(text, size, ".%s-%d", own, i + 1);
 }

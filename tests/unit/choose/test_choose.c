@@ -296,7 +296,7 @@ TEST(choose_sweep)
 {
     static struct choose_certificate c;
     struct scene s = *preset("rig");
-    struct choose_sweep w = {.input = RIG_FORCE, .steps = 8, .from_Hz = 150.0, .to_Hz = 240.0};
+    struct choose_sweep w = {.input = RIG_FORCE, .Hz = {150.0, 240.0, 8, false}};
     s.drive[RIG_FORCE].amplitude = 2.0;
     s.tolerance = 0.02;
     check_no_error("without the sweep", choose(&c, &s));

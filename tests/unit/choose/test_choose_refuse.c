@@ -180,11 +180,11 @@ TEST(choose_refuse_step)
 TEST(choose_refuse_swept)
 {
     struct scene s = rig(1.0, 8.0, 1e-3);
-    struct choose_sweep w = {.input = RIG_FORCE, .steps = 4, .from_Hz = 40.0, .to_Hz = 70.0};
+    struct choose_sweep w = {.input = RIG_FORCE, .Hz = {40.0, 70.0, 4, false}};
     s.drive[RIG_FORCE].frequency_Hz = 230.0;
     refused(verdict_on(&s, NULL, "hertz_rig_linear"), "at the predicted amplitude");
     passed(verdict_on(&s, &w, "hertz_rig_linear"));
-    w.to_Hz = 230.0;
+    w.Hz.to = 230.0;
     refused(verdict_on(&s, &w, "hertz_rig_linear"), "at the predicted amplitude");
 }
 
@@ -205,11 +205,11 @@ TEST(choose_sweep_back)
 {
     enum { STEPS = 12 };
     struct scene s = rig(2.88, 12.0, 0.12), linear;
-    struct choose_sweep w = {.input = RIG_FORCE, .steps = STEPS, .from_Hz = 190.0, .to_Hz = 218.0};
+    struct choose_sweep w = {.input = RIG_FORCE, .Hz = {190.0, 218.0, STEPS, false}};
     struct choose_record a, b;
     const struct choose_verdict *v = verdict_on(&s, &w, "hertz_rig_linear");
     check_is("there and back below the jump", v->best, >=, 0);
-    w.to_Hz = 222.0;
+    w.Hz.to = 222.0;
     v = verdict_on(&s, &w, "hertz_rig_linear");
     check_true("beyond it: refused", *v->refused != '\0');
     check_string("the choice", certificate.verdict[certificate.choice].candidate.scene.model->name,

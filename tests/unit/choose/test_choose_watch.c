@@ -43,7 +43,7 @@ static void certify_sweep(const struct scene *s, const struct choose_sweep *w, c
 
 static void certify(const struct scene *s, const char *model)
 {
-    certify_sweep(s, &(struct choose_sweep){.steps = 0}, model);
+    certify_sweep(s, &(struct choose_sweep){.input = 0}, model);
 }
 
 /* The scene as choose --out writes it, running on the bus from its start. */
@@ -318,7 +318,7 @@ TEST(choose_watch_asymmetry)
 /* A sweep is made of commands: those that were certified are no change. */
 TEST(choose_watch_sweep)
 {
-    const struct choose_sweep sweep = {.input = RIG_FORCE, .steps = 10, .from_Hz = 100.0, .to_Hz = 240.0};
+    const struct choose_sweep sweep = {.input = RIG_FORCE, .Hz = {100.0, 240.0, 10, false}};
     struct scene s = scenes_find("rig")->scene;
     s.tolerance = 0.005;
     certify_sweep(&s, &sweep, "hertz_rig");

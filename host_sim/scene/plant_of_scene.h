@@ -1,0 +1,20 @@
+/* plant_of_scene.h - a plant from a scene, for all that run one without a bus. */
+#ifndef HOST_SIM_PLANT_OF_SCENE_H
+#define HOST_SIM_PLANT_OF_SCENE_H
+
+#include "firmware/plant/plant.h"
+#include "models/scenes/scenes.h"
+
+/* What plant_init takes, as the scene says it: its method, tolerance, dilation, and a tick of its own step on
+ * the bus. The caller changes what it knows better. si: as of scenes_resolve. scratch: as the method needs. */
+struct plant_config plant_config_of_scene(const struct scene *s, const double *si, double *scratch);
+
+/* The same with ticks of real time: `tick_s` (0: the scene's step, scene_check_step), without dilation. */
+struct plant_config plant_config_of_real_scene(const struct scene *s, const double *si, double tick_s,
+                                               double *scratch);
+
+/* A plant in the scene's start, its drives sounding. NULL, or why there is none. */
+MUST_CHECK const char *plant_of_scene(struct plant *pl, const struct plant_config *c, const struct scene *s,
+                                      const struct harmonic *drive);
+
+#endif
