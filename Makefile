@@ -50,7 +50,7 @@ UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(
 LIB_CLIENT := host_sim/library/library_bus.c host_sim/library/library_client.c host_sim/live/client.c host_sim/live/explain.c \
               host_sim/listen/listen.c host_sim/listen/latest.c
 LIB_HOST := $(filter-out $(LIB_CLIENT),$(wildcard host_sim/library/*.c)) host_sim/cli/unit.c host_sim/cli/names.c host_sim/cli/options_nearest.c \
-            host_sim/cli/quotes.c host_sim/out/utf8.c $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
+            host_sim/cli/quotes.c host_sim/out/utf8.c host_sim/scene/plant_of_scene.c $(addprefix host_sim/scene/scene_,app.c check.c file.c keys.c lines.c name.c text.c)
 obj = $(patsubst %.c,$(BUILD)/%.o,$(1))
 CORE := $(call obj,$(CORE_SRC))
 # What the program and the tests link; libcontactplant is made in host_sim/library/library.mk.

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/app/plant_scene.h"
 #include "firmware/method/taylor/taylor_piece.h"
 #include "host_sim/choose/choose.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/afm_lever.h"
 #include "models/shaft_views.h"
@@ -58,18 +58,11 @@ static uint64_t look_of(int k, int n)
 static const char *start(struct runner *o, const struct scene *s, double nudge)
 {
     scenes_resolve(s, o->si, o->drive);
-    const struct plant_config c = {.model = s->model,
-                                   .si = o->si,
-                                   .method = method_find(s->method),
-                                   .tick_s = s->frame_s / s->substeps,
-                                   .dilation = s->dilation,
-                                   .tol = s->tolerance,
-                                   .scratch = o->scratch};
-    const char *why = plant_init(&o->plant, &c);
+    const struct plant_config c = plant_config_of_scene(s, o->si, o->scratch);
+    const char *why = plant_of_scene(&o->plant, &c, s, o->drive);
     if (why)
         return why;
     o->n_scratch = c.method->n_scratch(s->model);
-    plant_scene_begin(&o->plant, s, o->si, o->drive);
     struct modal_form form = {.near = 0.0};
     if (s->model->modal_form)
         s->model->modal_form(o->plant.p, &form);

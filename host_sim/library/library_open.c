@@ -8,6 +8,7 @@
 #include "firmware/afm/afm_plant.h"
 #include "firmware/app/plant_scene.h"
 #include "host_sim/out/utf8.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "models/models.h"
 
 STATIC_ASSERT(sizeof(struct contactplant) <= CONTACTPLANT_SIZE, plant_fits_its_promised_size);
@@ -189,15 +190,7 @@ bool library_read_scene(const char *scene, struct scene *s, enum scene_origin *o
 static const char *start_alone(struct scene_app *s)
 {
     const struct app_config *c = &s->config;
-    const struct plant_config alone = {.model = c->model,
-                                       .si = s->si,
-                                       .method = c->method,
-                                       .tick_s = c->frame_s / c->substeps,
-                                       .dilation = c->dilation,
-                                       .tol = c->tol,
-                                       .scratch = c->scratch,
-                                       .stage_calls = c->stage_calls,
-                                       .stages = c->stages};
+    struct plant_config alone = plant_config_of_scene(&s->scene, s->si, c->scratch);
     double setting[SETTINGS];
     if (scene_is_microscope(c->model))
         return "a microscope alone is opened by contactplant_afm_open, or on a bus";
@@ -205,6 +198,10 @@ static const char *start_alone(struct scene_app *s)
         if (s->scene.stage[i][STAGE_AT] > MODEL_INPUTS)
             return "it has a sensor, whose reading is on the bus alone: leave its [stage] out, or open the "
                    "plant on a bus";
+    alone.method = c->method; /* a model's name alone has another one */
+    alone.tol = c->tol;
+    alone.stage_calls = c->stage_calls;
+    alone.stages = c->stages;
     const char *why = plant_init(&s->app.plant, &alone);
     if (!why && scene_stage_settings(&s->scene, setting))
         c->stage_calls->change(c->stages, &s->app.plant, setting);

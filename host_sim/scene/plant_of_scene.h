@@ -6,7 +6,8 @@
 #include "models/scenes/scenes.h"
 
 /* What plant_init takes, as the scene says it: its method, tolerance, dilation, and a tick of its own step on
- * the bus. The caller changes what it knows better. si: as of scenes_resolve. scratch: as the method needs. */
+ * the bus. The caller changes what it knows better. si: as of scenes_resolve. scratch: as the method needs.
+ */
 struct plant_config plant_config_of_scene(const struct scene *s, const double *si, double *scratch);
 
 /* The same with ticks of real time: `tick_s` (0: the scene's step, scene_check_step), without dilation. */

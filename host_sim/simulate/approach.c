@@ -5,11 +5,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "firmware/app/plant_scene.h"
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
 #include "host_sim/out/json.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/scene/scene_range.h"
@@ -84,23 +84,17 @@ static int read_scene(struct approach *a)
 static int begin(struct approach *a)
 {
     scenes_resolve(&a->scene, a->si, a->drive);
-    const struct method *method = method_find(a->scene.method);
-    struct plant_config c = {.model = a->scene.model,
-                             .si = a->si,
-                             .method = method,
-                             .tick_s = a->scene.frame_s / a->scene.substeps / a->scene.dilation,
-                             .dilation = 1.0,
-                             .tol = a->scene.tolerance};
+    struct plant_config c = plant_config_of_real_scene(&a->scene, a->si, 0.0, NULL);
     int which;
     const char *why = plant_check(a->scene.model, a->si, &which);
-    a->scratch = calloc(method->n_scratch(a->scene.model) + 1, sizeof *a->scratch);
+    a->scratch = calloc(c.method->n_scratch(a->scene.model) + 1, sizeof *a->scratch);
     for (int i = 0; i < COLUMNS; i++)
         a->row[i] = calloc(2 * a->n, sizeof *a->row[i]);
     for (int i = 0; i < COLUMNS; i++)
         if (!a->row[i] || !a->scratch)
             return options_failure(&approach_usage, "out of memory");
     c.scratch = a->scratch;
-    why = why ? why : plant_init(&a->plant, &c);
+    why = why ? why : plant_of_scene(&a->plant, &c, &a->scene, a->drive);
     if (why)
         return options_misuse(&approach_usage, "%s: %s", a->o.word[0], why);
     a->top = a->si[LEVER_HEIGHT];
@@ -114,7 +108,6 @@ static int begin(struct approach *a)
                               "a way of %.3g steps: give a --speed that makes %zu to %.0e of them", ticks,
                               a->n, way_ticks_max);
     a->ticks = (uint64_t)ticks / a->n * a->n;
-    plant_scene_begin(&a->plant, &a->scene, a->si, a->drive);
     return 0;
 }
 

@@ -8,6 +8,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/commands.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/simulate/simulate.h"
 #include "host_sim/out/cell.h"
@@ -302,16 +303,14 @@ static const char *place(const struct simulation *r, struct plant *pl, double *s
 {
     static struct stages stages;                       /* one plant may have some: see choose_tick */
     static double event_x[PLANT_EVENTS][MODEL_STATES]; /* events are taken before the next plant runs */
-    const struct plant_config c = {.model = r->model,
-                                   .si = r->si,
-                                   .method = r->method,
-                                   .tick_s = tick_s,
-                                   .dilation = r->dilation,
-                                   .tol = r->tol,
-                                   .force = true, /* the guard has spoken */
-                                   .scratch = scratch,
-                                   .stage_calls = &stages_for_plants,
-                                   .stages = &stages};
+    struct plant_config c = plant_config_of_scene(&r->scene, r->si, scratch);
+    c.method = r->method;
+    c.tick_s = tick_s;
+    c.dilation = r->dilation;
+    c.tol = r->tol;
+    c.force = true; /* the guard has spoken */
+    c.stage_calls = &stages_for_plants;
+    c.stages = &stages;
     double setting[SETTINGS];
     bool staged = scene_stage_settings(&r->scene, setting);
     const char *why = staged ? stages_for_plants.refuse(r->model, tick_s / r->dilation, setting) : NULL;

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "firmware/app/plant_scene.h"
 #include "host_sim/maps/maps.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "models/math/elementary.h"
 
 static const double whole = 1e-9;       /* turns by which a drive may miss a whole number */
@@ -56,19 +56,13 @@ double basin_map_tick_s(const struct basin_plant *b, int steps)
 static const char *begin(struct basin_map *map)
 {
     const struct basin_plant *b = map->plant;
-    const struct plant_config c = {.model = b->model,
-                                   .si = b->si,
-                                   .method = b->method,
-                                   .tick_s = basin_map_tick_s(b, map->steps),
-                                   .dilation = 1.0,
-                                   .tol = b->tol,
-                                   .force = true, /* the caller has asked the method */
-                                   .no_ledger = true,
-                                   .scratch = map->fresh};
-    const char *why = plant_init(&map->begin, &c);
-    if (!why)
-        plant_scene_begin(&map->begin, &b->scene, b->si, b->si_drive);
-    return why;
+    struct plant_config c =
+        plant_config_of_real_scene(&b->scene, b->si, basin_map_tick_s(b, map->steps), map->fresh);
+    c.method = b->method;
+    c.tol = b->tol;
+    c.force = true; /* the caller has asked the method */
+    c.no_ledger = true;
+    return plant_of_scene(&map->begin, &c, &b->scene, b->si_drive);
 }
 
 const char *basin_map_start(struct basin_map *map, const struct basin_plant *b, int steps)

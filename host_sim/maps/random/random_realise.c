@@ -3,8 +3,8 @@
 
 #include <math.h>
 #include <string.h>
-#include "firmware/app/plant_scene.h"
 #include "host_sim/cli/ticks.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_check.h"
 
 /* Counts an up-crossing of each edge in [from, to). */
@@ -42,18 +42,9 @@ static const char *begin(const struct random_runs *r, int i, struct plant *pl)
     for (int k = 0; k < sc.model->n_inputs; k++)
         sc.drive[k].noise_seed = (double)(uint32_t)((uint64_t)sc.drive[k].noise_seed + (uint64_t)i);
     scenes_resolve(&sc, si, drive);
-    const struct plant_config c = {.model = sc.model,
-                                   .si = si,
-                                   .method = r->m.method,
-                                   .tick_s = scene_check_step(&sc),
-                                   .dilation = 1.0,
-                                   .tol = r->m.tol,
-                                   .no_ledger = true,
-                                   .scratch = r->scratch};
-    const char *why = plant_init(pl, &c);
-    if (!why)
-        plant_scene_begin(pl, &sc, si, drive);
-    return why;
+    struct plant_config c = plant_config_of_real_scene(&sc, si, 0.0, r->scratch);
+    c.no_ledger = true;
+    return plant_of_scene(pl, &c, &sc, drive);
 }
 
 /* Turns sums over ticks into shares and rates. */

@@ -5,6 +5,7 @@
 #include "firmware/app/plant_scene.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/maps/stability/stability_floquet.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "models/math/elementary.h"
 
 static const double truth_tol = 1e-11, truth_rad = 0.2;
@@ -62,14 +63,10 @@ const char *stability_contact_cell(const struct stability *s, const struct scene
     maps_resolve(scene, &q);
     double rate = scene->model->eigenfrequency(q.p) / q.scale.time_s, finer = ceil(step * rate / truth_rad);
     uint64_t ticks = ticks_begun(2.0 * ELEMENTARY_PI * s->periods, rate * step);
-    struct plant_config c = {.model = scene->model,
-                             .si = q.si,
-                             .method = &auto_method,
-                             .tick_s = step / finer,
-                             .dilation = 1.0,
-                             .tol = truth_tol,
-                             .no_ledger = true,
-                             .scratch = scratch};
+    struct plant_config c = plant_config_of_real_scene(scene, q.si, step / finer, scratch);
+    c.method = &auto_method;
+    c.tol = truth_tol;
+    c.no_ledger = true;
     const char *why = move(scene, &c, q.drive, ticks * (uint64_t)finer, &truth);
     if (why)
         return why;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/math/elementary.h"
 
@@ -90,14 +91,10 @@ static const char *put_plant(struct sweep *s, const struct scene *scene, const s
 {
     const struct model *m = scene->model;
     double x[MODEL_STATES];
-    const struct plant_config c = {.model = m,
-                                   .si = u->q.si,
-                                   .method = s->m.method,
-                                   .tick_s = u->period / ticks,
-                                   .dilation = 1.0,
-                                   .tol = s->m.tol,
-                                   .no_ledger = no_ledger,
-                                   .scratch = s->scratch};
+    struct plant_config c = plant_config_of_real_scene(scene, u->q.si, u->period / ticks, s->scratch);
+    c.method = s->m.method;
+    c.tol = s->m.tol;
+    c.no_ledger = no_ledger;
     if (!(ticks <= TICKS_MAX))
         return "more than 4e6 steps in a period of the reference";
     const char *why = plant_init(&s->plant, &c);
