@@ -31,6 +31,14 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t n)
     return hash;
 }
 
+/* A surface of --surface: two files may have equal counts, of other heights or over another area. */
+static uint64_t hash_surface(uint64_t h, const struct surface_grid *g, const int16_t *count)
+{
+    h = hash_word(hash_word(h, g->nx), g->ny);
+    h = hash_double(hash_double(hash_double(h, g->width), g->length), g->m_per_1);
+    return hash_bytes(h, count, (size_t)g->nx * g->ny * sizeof *count);
+}
+
 /* All that decides the image, and the layout of what is kept. */
 static uint64_t identity(const struct afm_bench *b)
 {
@@ -40,7 +48,7 @@ static uint64_t identity(const struct afm_bench *b)
     h = hash_double(h, b->tick_s);
     h = hash_word(h, sizeof b->station);
     h = hash_word(h, sizeof b->piezo);
-    return b->count ? hash_bytes(h, b->count, (size_t)b->grid.nx * b->grid.ny * sizeof *b->count) : h;
+    return b->count ? hash_surface(h, &b->grid, b->count) : h;
 }
 
 /* The parts of the file in their order, from a bench and an image. Returns how many. */
