@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_MAX = 1000 /* of a sweep */, SWEEP_TEXT = 256 };
+enum { STEPS_MAX = 1000 /* in a sweep */, SWEEP_TEXT = 256 };
 
 static const struct option choose_options[] = {
     {"on", "MACHINE",

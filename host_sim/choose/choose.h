@@ -40,7 +40,7 @@ enum {
  * no sweep. */
 struct choose_sweep {
     int input;
-    struct range Hz; /* of the real plant; either end may be the higher one */
+    struct range Hz; /* real plant; either end may be the higher one */
 };
 
 /* ---- choose_ladder.c ---- */

@@ -237,7 +237,7 @@ static int take_files(const struct options *o)
 
 bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status)
 {
-    *o = (struct options){.usage = u};
+    *o = (struct options){.usage = u, .argc = argc, .argv = argv};
     for (int i = 1; i < argc && strcmp(argv[i], "--"); i++) {
         if (options_help(u, argv[i])) {
             *status = STATUS_DONE;

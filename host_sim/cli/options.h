@@ -70,6 +70,8 @@ struct given {
 
 struct options {
     const struct usage *usage;
+    int argc; /* the command line, as it was given */
+    char **argv;
     int n_words, n_given;
     const char *word[OPTIONS_WORDS];
     struct given given[OPTIONS_GIVEN];

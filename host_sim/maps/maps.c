@@ -1,12 +1,11 @@
 /* maps.c - scene, method, identity and files of the commands that run one scene many times. */
 #include "host_sim/maps/maps.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "host_sim/cli/files.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/report/html_scene.h"
 #include "host_sim/scene/scene_print.h"
 #include "models/check.h"
 #include "models/models.h"
@@ -18,8 +17,14 @@ const struct option maps_options[] = {
      .identity = IDENTITY_INSIDE},
     {"tol", "E", "its tolerance (the scene's; in a sweep 1e-9 at most)", OPTION_NUMBER, METHOD_TOL_MIN,
      METHOD_TOL_MAX, .initial = NULL, .identity = IDENTITY_INSIDE},
+    {.name = NULL},
+};
+
+const struct option maps_outputs[] = {
     {"svg", "FILE", "a picture of the rows in --out", OPTION_WRITES, .initial = NULL,
      .identity = IDENTITY_OUTSIDE},
+    {"report", "FILE", "a page of the rows in --out, which opens in a browser without a network",
+     OPTION_WRITES, .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
@@ -112,13 +117,18 @@ int maps_read_time(const struct maps *m, const char *name, double *value)
 
 int maps_check_files(const struct maps *m, const char *rows)
 {
-    const struct usage *u = m->o.usage;
-    const char *svg = options_text(&m->o, "svg", 0);
-    if (svg && !rows)
-        return options_misuse(u, "--svg is drawn from a file of rows; give --out too");
-    if (svg && options_given(&m->o, "shard"))
-        return options_misuse(
-            u, "--svg goes without --shard; put the shards' files together, and give them as --out");
+    static const char *const output[] = {"svg", "report"};
+    for (int i = 0; i < 2; i++) {
+        if (!options_given(&m->o, output[i]))
+            continue;
+        if (!rows)
+            return options_misuse(m->o.usage, "--%s is made from a file of rows; give --out too", output[i]);
+        if (options_given(&m->o, "shard"))
+            return options_misuse(
+                m->o.usage,
+                "--%s goes without --shard; put the shards' files together, and give them as --out",
+                output[i]);
+    }
     return 0;
 }
 
@@ -178,29 +188,83 @@ int maps_compute(struct maps *m, struct jobs *j)
     return jobs_run(j);
 }
 
-bool maps_is_whole(const struct maps *m)
+/* All rows are there: of a run that is no share, and in a file or read to their end. */
+static bool is_whole(const struct maps *m)
 {
     bool share = strcmp(options_text(&m->o, "shard", 0), "1/1") != 0;
     return !share && (options_given(&m->o, "out") || (m->copy && !options_reader_left()));
 }
 
-int maps_load_rows(const struct maps *m, struct rows_table *t)
+static int load_rows(const struct maps *m, const char *path, struct rows_table *t)
 {
-    if (options_given(&m->o, "out"))
-        return rows_load(&m->o, &m->rows, options_text(&m->o, "out", 0), t);
+    path = path ? path : options_text(&m->o, "out", 0);
+    if (path)
+        return rows_load(&m->o, &m->rows, path, t);
     rewind(m->copy);
     return rows_load_from(&m->o, &m->rows, "standard output", m->copy, t);
 }
 
-int maps_tell(const struct maps *m, void (*tell)(const void *context, const struct rows_table *t, FILE *f),
-              const void *context)
+void maps_put_axis(struct figure *g, const struct scene_range *r)
+{
+    figure_axis(
+        g, &(struct figure_axis){r->words, r->unit, r->values.from, r->values.to, r->values.logarithmic});
+}
+
+/* Each line of the summary is a paragraph. */
+static void put_words(struct figure *g, const char *text)
+{
+    struct html *h = figure_page(g);
+    for (size_t n; h && *text; text += n + (text[n] == '\n')) {
+        n = strcspn(text, "\n");
+        html_words(h, "%.*s", (int)n, text);
+    }
+}
+
+static int write_figure(const struct maps *m, const struct rows_table *t, const struct maps_finding *what,
+                        void *context, const char *summary)
+{
+    struct figure g;
+    struct maps_point q;
+    if (!options_given(&m->o, "svg") && !options_given(&m->o, "report"))
+        return 0;
+    int status = figure_begin(&g, &m->o, m->name);
+    if (status)
+        return status;
+    if (!what->is_table)
+        put_words(&g, summary);
+    const char *why = what->draw(context, t, &g);
+    g.why = g.why ? g.why : why;
+    maps_resolve(&m->scene, &q);
+    if (figure_page(&g))
+        html_scene(figure_page(&g), &m->scene, m->scene.model, q.si);
+    return figure_end(&g, &m->o);
+}
+
+static int conclude(const struct maps *m, const char *path, const struct rows_table *t,
+                    const struct maps_finding *what, void *context)
+{
+    char *text = NULL;
+    size_t size;
+    int status = what->read ? what->read(context, t) : 0;
+    FILE *f = status ? NULL : open_memstream(&text, &size);
+    if (f)
+        what->tell(context, t, f);
+    if (!status && (!f || fclose(f)))
+        status = options_failure(m->o.usage, "out of memory");
+    status = status ? status : write_figure(m, t, what, context, text);
+    if (!status)
+        fputs(text, path ? stdout : options_summary(&m->o));
+    free(text);
+    return status;
+}
+
+int maps_conclude(const struct maps *m, const char *path, const struct maps_finding *what, void *context)
 {
     struct rows_table t;
-    if (!maps_is_whole(m))
+    if (!path && !is_whole(m))
         return 0;
-    int status = maps_load_rows(m, &t);
-    if (!status)
-        tell(context, &t, options_summary(&m->o));
+    int status = load_rows(m, path, &t);
+    status = status ? status : conclude(m, path, &t, what, context);
     rows_free(&t);
     return status;
 }
@@ -213,17 +277,4 @@ const char *maps_in_words(double value, const char *unit, char *text)
     if (isfinite(value))
         unit_write(strtod(rounded, NULL), unit, text);
     return text;
-}
-
-int maps_finish_chart(const struct maps *m, struct chart *c)
-{
-    const char *svg = options_text(&m->o, "svg", 0), *why = NULL;
-    FILE *f = files_compose(svg);
-    if (f)
-        why = chart_end(c, f);
-    if (!f || (!files_finish(f, !why) && !why))
-        why = strerror(errno);
-    return why ? options_failure(m->o.usage, "--svg %s: %s; the rows are complete, give the same command",
-                                 svg, why)
-               : 0;
 }

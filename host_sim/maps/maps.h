@@ -4,8 +4,8 @@
 #define HOST_SIM_MAPS_H
 
 #include "firmware/plant/plant.h"
-#include "host_sim/cli/chart.h"
 #include "host_sim/maps/rows.h"
+#include "host_sim/report/figure.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/scene/scene_range.h"
 
@@ -22,8 +22,9 @@ struct maps {
     size_t identity_size;
 };
 
-/* Options that sweep, stability and random share: --set --method --tol --svg. */
-extern const struct option maps_options[];
+/* Options that sweep, stability and random share: --set --method --tol; and those of all maps: --svg
+ * --report. */
+extern const struct option maps_options[], maps_outputs[];
 
 /* The scene of the command's word, with --set. 0, or the exit status after a line; so for all below that
  * return int. */
@@ -73,20 +74,25 @@ int maps_identify(struct maps *m, const char *kind, maps_say *say, const void *c
  * rows. */
 int maps_compute(struct maps *m, struct jobs *j);
 
-/* All rows are there: of a run that is no share, and in a file or read to their end. */
-bool maps_is_whole(const struct maps *m);
+/* A map has these three for its rows. */
+struct maps_finding {
+    /* Sorts and counts; NULL for nothing. 0, or the exit status after a line. */
+    int (*read)(void *context, const struct rows_table *t);
+    /* The summary: what was found. */
+    void (*tell)(void *context, const struct rows_table *t, FILE *f);
+    /* Panels and tables. NULL, or why there are none. */
+    const char *(*draw)(void *context, const struct rows_table *t, struct figure *g);
+    bool is_table; /* the summary is one, and no words for the page */
+};
 
-/* The rows of maps_compute, of a whole run. 0, or the exit status after a line; rows_free in both cases. */
-int maps_load_rows(const struct maps *m, struct rows_table *t);
+/* Ends every map but a share of one. It reads the rows in `path` (NULL: those of maps_compute), writes the
+ * picture --svg and the page --report, and tells the summary. 0, or the exit status after a line. */
+int maps_conclude(const struct maps *m, const char *path, const struct maps_finding *what, void *context);
+
+/* The axis of a range, as it is in the figure. */
+void maps_put_axis(struct figure *g, const struct scene_range *r);
 
 /* Six digits of a number with its unit: "212.34 Hz". Returns text[UNIT_TEXT]. */
 const char *maps_in_words(double value, const char *unit, char *text);
-
-/* Calls tell with the rows of a whole run and the stream of its summary; does nothing for a share. */
-int maps_tell(const struct maps *m, void (*tell)(const void *context, const struct rows_table *t, FILE *f),
-              const void *context);
-
-/* Writes the picture to --svg. */
-int maps_finish_chart(const struct maps *m, struct chart *c);
 
 #endif

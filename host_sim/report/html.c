@@ -23,12 +23,18 @@ static void put_file(FILE *f, int which)
     (void)fwrite(p->begin, 1, (size_t)(p->end - p->begin), f);
 }
 
-static void put_numbers(struct html *h, const char *name, size_t n, const double *value)
+/* The first of each `every` numbers, n in all. */
+static void put_each(struct html *h, const char *name, size_t n, size_t every, const double *value)
 {
     json_item(&h->json, "'%r':[", name);
     for (size_t i = 0; i < n; i++)
-        json_item(&h->json, "%e", value[i]);
+        json_item(&h->json, "%e", value[i * every]);
     json_put(&h->json, "]");
+}
+
+static void put_numbers(struct html *h, const char *name, size_t n, const double *value)
+{
+    put_each(h, name, n, 1, value);
 }
 
 /* An element of a list, or the value of a member whose name was put. */
@@ -150,7 +156,7 @@ void html_cell(struct html *h, const char *format, ...)
 }
 
 static void begin_chart(struct html *h, const char *title, const char *unit, const char *x_name,
-                        const char *x_unit, bool log)
+                        const char *x_unit, const char *log)
 {
     begin_section(h, "chart");
     put_member(h, "title", title);
@@ -158,26 +164,34 @@ static void begin_chart(struct html *h, const char *title, const char *unit, con
     put_member(h, "x_name", x_name);
     put_member(h, "x_unit", x_unit);
     if (log)
-        json_item(&h->json, "'log':true");
+        json_item(&h->json, "'log':%s", log);
     json_item(&h->json, "'layers':[");
     h->place = HTML_CHART;
 }
 
 void html_chart(struct html *h, const char *title, const char *unit, const char *x_name, const char *x_unit)
 {
-    begin_chart(h, title, unit, x_name, x_unit, false);
+    begin_chart(h, title, unit, x_name, x_unit, NULL);
 }
 
 void html_chart_log(struct html *h, const char *title, const char *unit, const char *x_name,
                     const char *x_unit)
 {
-    begin_chart(h, title, unit, x_name, x_unit, true);
+    begin_chart(h, title, unit, x_name, x_unit, "both");
+}
+
+void html_chart_log_x(struct html *h, const char *title, const char *unit, const char *x_name,
+                      const char *x_unit)
+{
+    begin_chart(h, title, unit, x_name, x_unit, "x");
 }
 
 static void begin_layer(struct html *h, const char *kind, const char *name)
 {
     json_item(&h->json, "\n{'kind':%s", kind);
     put_member(h, "name", name);
+    if (h->ink)
+        put_member(h, "ink", h->ink);
 }
 
 void html_line(struct html *h, enum html_layer kind, const char *name, size_t n, const double *x,
@@ -186,6 +200,43 @@ void html_line(struct html *h, enum html_layer kind, const char *name, size_t n,
     static const char *const word[] = {"line", "steps", "points"};
     begin_layer(h, word[kind], name);
     put_numbers(h, "x", n, x);
+    put_numbers(h, "y", n, y);
+    json_put(&h->json, "}");
+}
+
+void html_bounds(struct html *h, const double x[2], const double y[2])
+{
+    begin_layer(h, "bounds", "");
+    put_numbers(h, "x", 2, x);
+    put_numbers(h, "y", 2, y);
+    json_put(&h->json, "}");
+}
+
+void html_points(struct html *h, const char *name, size_t n, size_t every, const double *x, const double *y)
+{
+    begin_layer(h, "points", name);
+    put_each(h, "x", n, every, x);
+    put_each(h, "y", n, every, y);
+    json_put(&h->json, "}");
+}
+
+void html_area(struct html *h, const char *name, size_t n, const double *x, const double *low,
+               const double *high)
+{
+    begin_layer(h, "area", name);
+    put_numbers(h, "x", n, x);
+    put_numbers(h, "low", n, low);
+    put_numbers(h, "high", n, high);
+    json_put(&h->json, "}");
+}
+
+void html_cells(struct html *h, const char *name, size_t n, const double *from, const double *to,
+                const double *y, double half)
+{
+    begin_layer(h, "cells", name);
+    put_numbers(h, "half", 1, &half);
+    put_numbers(h, "x", n, from);
+    put_numbers(h, "to", n, to);
     put_numbers(h, "y", n, y);
     json_put(&h->json, "}");
 }

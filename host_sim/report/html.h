@@ -26,6 +26,7 @@ struct html {
     FILE *f;
     struct json json;
     enum html_place place; /* the part that is open */
+    const char *ink;       /* the colour of the next layer, as in CSS or scope.css; NULL: one of its own */
 };
 
 /* Opens the file. Its title are the command and what it was of, if name is not NULL. The command line becomes
@@ -51,9 +52,27 @@ void html_chart(struct html *h, const char *title, const char *unit, const char 
 void html_chart_log(struct html *h, const char *title, const char *unit, const char *x_name,
                     const char *x_unit);
 
+/* A chart whose x axis is logarithmic: all x are above 0. */
+void html_chart_log_x(struct html *h, const char *title, const char *unit, const char *x_name,
+                      const char *x_unit);
+
 enum html_layer { HTML_LINE, HTML_STEPS, HTML_POINTS };
 void html_line(struct html *h, enum html_layer kind, const char *name, size_t n, const double *x,
                const double *y);
+
+/* Both axes, where the layers do not decide them. */
+void html_bounds(struct html *h, const double x[2], const double y[2]);
+
+/* n points, the first of each `every` in x and y. */
+void html_points(struct html *h, const char *name, size_t n, size_t every, const double *x, const double *y);
+
+/* Filled from low[i] to high[i] at x[i], with straight lines between. */
+void html_area(struct html *h, const char *name, size_t n, const double *x, const double *low,
+               const double *high);
+
+/* Rectangles from from[i] to to[i] across, and `half` below and above y[i]. */
+void html_cells(struct html *h, const char *name, size_t n, const double *from, const double *to,
+                const double *y, double half);
 
 /* Filled from low[i] to high[i] from x[i] until x[i + 1], the last until `end`. A bin is drawn over a
  * `period` of the motion at least: parts of a period would look like beats. */

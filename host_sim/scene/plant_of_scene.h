@@ -5,12 +5,12 @@
 #include "firmware/plant/plant.h"
 #include "models/scenes/scenes.h"
 
-/* What plant_init takes, as the scene says it: its method, tolerance, dilation, and a tick of its own step on
- * the bus. The caller changes what it knows better. si: as of scenes_resolve. scratch: as the method needs.
+/* Gives plant_init what the scene says: its method, tolerance and dilation, and a tick of its step on the
+ * bus. The caller changes what it knows better. si: as of scenes_resolve. scratch: as the method needs.
  */
 struct plant_config plant_config_of_scene(const struct scene *s, const double *si, double *scratch);
 
-/* The same with ticks of real time: `tick_s` (0: the scene's step, scene_check_step), without dilation. */
+/* Likewise with ticks of real time, without dilation. tick_s 0: the scene's step (scene_check_step). */
 struct plant_config plant_config_of_real_scene(const struct scene *s, const double *si, double tick_s,
                                                double *scratch);
 

@@ -14,13 +14,13 @@ struct range {
 
 enum range_order { RANGE_UPWARDS, RANGE_UPWARDS_OR_EQUAL, RANGE_ANY_ORDER };
 
-/* What a range may be. */
+/* A range keeps to these. */
 struct range_rules {
     bool named;       /* NAME= stands before it */
-    const char *unit; /* of FROM and TO; "" or "1" for none */
+    const char *unit; /* both ends have it; "" or "1" for none */
     bool bare;        /* a number without a unit is in it, too */
-    double min, max;  /* of FROM and TO */
-    int n_min, n_max; /* of N; n_max 0: there is no N */
+    double min, max;  /* both ends */
+    int n_min, n_max; /* bounds of N; n_max 0: there is no N */
     enum range_order order;
 };
 

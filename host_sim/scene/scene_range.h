@@ -55,7 +55,7 @@ int scene_range_parameter(const struct usage *u, const struct parameter *p, cons
  * there are no more. */
 bool scene_range_nth(const struct scene *s, int i, struct scene_range *r);
 
-/* What a value makes of the scene. */
+/* Puts a value into the scene. */
 void scene_range_set(struct scene *s, const struct scene_range *r, double value);
 
 /* For an axis: its words with the unit in brackets, "log10 of" before them where the range is logarithmic. */

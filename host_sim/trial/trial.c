@@ -12,4 +12,3 @@ const struct parameter *trial_parameter(const struct trial *t, int index)
 {
     return scene_parameter(trial_model(t), index);
 }
-

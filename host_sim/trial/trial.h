@@ -94,5 +94,4 @@ const struct model *trial_model(const struct trial *t);
 /* The parameter or setting with this index; NULL where there is none. */
 const struct parameter *trial_parameter(const struct trial *t, int index);
 
-
 #endif

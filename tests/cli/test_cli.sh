@@ -315,7 +315,7 @@ refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/nosuch/x.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --out "$dir/x.csv" --svg "$dir/nosuch/x.svg"
 refuses 2 "take --out and --shard away" basin "$dir/rig.ini" --rows "$dir/x.csv" --out "$dir/y.csv"
 refuses 2 "nosuch" basin "$dir/rig.ini" --rows "$dir/nosuch.csv"
-refuses 2 "to read rows give --rows FILE" basin "$dir/rig.ini" --report "$dir/x.csv"
+refuses 2 "give --out too" basin "$dir/rig.ini" --report "$dir/x.csv"
 refuses 2 "is read by this command" basin "$dir/rig.ini" --rows "$dir/x.csv" --report "$dir/x.csv"
 refuses 2 "not the header" basin "$dir/rig.ini" --rows "$dir/rig.ini"
 
@@ -550,7 +550,7 @@ is "a full disk for the rows, status" $? 1
 has "a full disk for the rows, said" "$dir/err" "cannot be written"
 "$program" basin "$dir/rig.ini" --rows "$dir/whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
 is "a full disk for the picture, status" $? 1
-has "a full disk for the picture, said" "$dir/err" "make room and give --rows"
+has "a full disk for the picture, said" "$dir/err" "the rows are complete"
 interrupted 0 "$dir/long.csv" basin shaft-fig9 --starts 100000
 is "Ctrl-C, status" $? 1
 has "Ctrl-C, said" "$dir/err" "interrupted; .* the same command goes on from there"

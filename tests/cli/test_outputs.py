@@ -118,11 +118,11 @@ def cases():
     yield "basin", "shaft-fig16-705 --starts 6 --out b.csv --svg b.svg --report b.html".split()
     yield "basin", "rig --starts 3 --periods 2 --out b.csv --svg b.svg --report b.html".split()
     yield "basin", "rig --starts 3".split()
-    yield "stability", "hertz_rig --method rk4 --x stiffness.frequency=100:400:6 --y stiffness.amplitude=0:3e9:4 --out m.csv --svg m.svg".split()
-    yield "stability", "rig --map contact --method rk4 --x step=1e-4:2e-3:4 --y stiffness=1e9:1e10:3:log --periods 5 --out m.csv --svg m.svg".split()
+    yield "stability", "hertz_rig --method rk4 --x stiffness.frequency=100:400:6 --y stiffness.amplitude=0:3e9:4 --out m.csv --svg m.svg --report m.html".split()
+    yield "stability", "rig --map contact --method rk4 --x step=1e-4:2e-3:4 --y stiffness=1e9:1e10:3:log --periods 5 --out m.csv --svg m.svg --report m.html".split()
     yield "stability", "hertz_rig --x stiffness.frequency=100:400:3 --y stiffness.amplitude=1e9:3e9:2".split()
-    yield "random", "nayak-random --seeds 4 --over 100 --out n.csv --svg n.svg --statistics s.csv".split()
-    yield "random", "nayak-random --seeds 2 --over 40 --range 5:6 --out n.csv --svg n.svg --statistics s.csv".split()
+    yield "random", "nayak-random --seeds 4 --over 100 --out n.csv --svg n.svg --report n.html --statistics s.csv".split()
+    yield "random", "nayak-random --seeds 2 --over 40 --range 5:6 --out n.csv --svg n.svg --report n.html --statistics s.csv".split()
     yield "random", "nayak-random --seeds 2 --over 40".split()
     yield "selftest", []
     for word in ("", "models", "scenes", "settings", "microscope", "methods", "messages", "counters", "metrics"):

@@ -159,7 +159,7 @@ def sweep(browser, folder):
     told = [s for s in data["sections"] if s["kind"] == "table" and s["title"] == "Jumps"]
     check("sweep: each jump is in its table, and has a chart", jumps and len(told[0]["rows"]) == len(jumps) and
           sum(t.startswith("around the jump") for t in charts(data)) == len(jumps), f"{len(jumps)} jumps")
-    looks(browser, page, "sweep", ["Jumps located by bisection: 1.", "force.frequency", "[drive force]"])
+    looks(browser, page, "sweep", ["1 jump located by bisection:", "force.frequency", "[drive force]"])
 
 
 def basin(browser, folder):
@@ -348,7 +348,7 @@ def refused(folder):
                        (("simulate", scene, "--report", scene), "is the scene itself"),
                        (("sweep", "rig", "--report", out), "give --out"),
                        (("sweep", "rig", "--out", out, "--report", out), "choose two files"),
-                       (("basin", "rig", "--report", out), "to read rows give --rows FILE"),
+                       (("basin", "rig", "--report", out), "give --out"),
                        (("basin", "rig", "--out", out, "--report", out), "choose two files"),
                        (("choose", "rig", "--json", out, "--report", out), "choose two files"),
                        (("choose", scene, "--report", scene), "is the scene itself")):

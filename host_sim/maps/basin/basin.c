@@ -28,10 +28,6 @@ static const struct option basin_options[] = {
      OPTION_INTEGER, 1, 1000000, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"rows", "FILE", "compute nothing: tell the attractors of the rows in FILE", OPTION_READS,
      .initial = NULL, .identity = IDENTITY_OUTSIDE},
-    {"report", "FILE", "a page with attractors and map, which opens in a browser without a network",
-     OPTION_WRITES, .initial = NULL, .identity = IDENTITY_OUTSIDE},
-    {"svg", "FILE", "picture: start positions and velocities, coloured by attractor", OPTION_WRITES,
-     .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
@@ -50,7 +46,7 @@ const struct usage basin_usage = {
         "  contactplant basin shaft-fig16-705 --starts 10000 --shard 2/8 --out part2.csv\n"
         "  contactplant basin shaft-fig16-705 --rows map.csv --report map.html\n",
     .max_words = 1,
-    .table = {basin_options, jobs_options},
+    .table = {basin_options, maps_outputs, jobs_options},
 };
 
 /* Job i: a block of starts. A start has the numbers of its row; the model's units are computed from there. */
@@ -85,17 +81,6 @@ static bool ends(void *context, int i, const char *row)
     return atoi(row) == (end < b->starts.n ? end : b->starts.n) - 1;
 }
 
-/* The page needs all rows in a file. 0, or the exit status after a line. */
-static int check_report(const struct basin *b, const char *rows)
-{
-    const struct options *o = &b->m.o;
-    if (!options_given(o, "report") || (rows && !strcmp(options_text(o, "shard", 0), "1/1")))
-        return 0;
-    return options_misuse(o->usage,
-                          "--report FILE is a page made from a whole file of rows: give --out too; to read "
-                          "rows give --rows FILE (as --report did before)");
-}
-
 /* 0, or the exit status after a line. */
 static int check_files(const struct basin *b, const char *rows)
 {
@@ -103,25 +88,23 @@ static int check_files(const struct basin *b, const char *rows)
     const char *out = options_text(&b->m.o, "out", 0);
     if (rows && (out || options_given(&b->m.o, "shard")))
         return options_misuse(u, "--rows reads rows and writes none; take --out and --shard away");
-    int status = maps_check_files(&b->m, rows ? rows : out);
-    return status ? status : check_report(b, rows ? rows : out);
+    return maps_check_files(&b->m, rows ? rows : out);
 }
 
 static int run(struct basin *b)
 {
-    const char *out = options_text(&b->m.o, "out", 0), *rows = options_text(&b->m.o, "rows", 0);
+    const char *rows = options_text(&b->m.o, "rows", 0);
     struct jobs j = {
         .n = (b->starts.n + BASIN_BLOCK - 1) / BASIN_BLOCK, .compute = compute, .ends = ends, .context = b};
     int status = check_files(b, rows);
     if (!status && !rows)
         status = maps_compute(&b->m, &j);
-    bool whole = rows || maps_is_whole(&b->m);
-    return !status && whole ? basin_report(b, rows ? rows : out) : status;
+    return status ? status : basin_report(b, rows);
 }
 
 int cmd_basin(int argc, char **argv)
 {
-    struct basin b = {.m = {.identity = NULL}, .argc = argc, .argv = argv};
+    struct basin b = {.m = {.identity = NULL}};
     int status;
     if (!options_parse(&b.m.o, &basin_usage, argc, argv, &status))
         return status;

@@ -13,8 +13,6 @@ struct basin {
     struct basin_plant plant;
     struct basin_patience patience;
     struct basin_starts starts;
-    int argc; /* the command line, for the report */
-    char **argv;
 };
 
 /* A start and where it leads. */
@@ -44,25 +42,15 @@ double basin_peak_unit(const struct basin *b);
 void basin_show(const struct basin *b, const double *x, double *shown);
 void basin_take(const struct basin *b, const double *shown, double *x);
 
-/* The attractors in the rows of `path`: a table on standard output, the picture --svg and the page --report.
- * 0, or the exit status after a line. */
+/* The attractors in the rows of `path` (NULL: of this run): a table, --svg and --report. 0, or the exit
+ * status after a line. */
 int basin_report(const struct basin *b, const char *path);
-
-/* The picture: start positions and velocities, coloured by attractor. NULL, or a reason. */
-const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_row *row,
-                       int n, FILE *out);
-
-/* The classes of a picture: the most frequent attractors,
- * then all others, then motions without an attractor. */
-enum { BASIN_OWN = 5, BASIN_OTHERS = 5, BASIN_NONE = 6, BASIN_CLASSES = 7 };
-int basin_class_of(int attractor);
-void basin_class_name(const struct basin_clusters *c, int k, char *name, size_t size);
 
 /* "3", "chaos" or "none". */
 void basin_period_text(const struct basin_motion *motion, char *text, size_t size);
 
-/* The page. NULL, or a reason. */
-const char *basin_html(const struct basin *b, const struct basin_clusters *c, const struct basin_row *row,
-                       int n, const char *path);
+/* Start positions and velocities, coloured by attractor, and the attractors as a table. NULL, or a reason. */
+const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_row *row,
+                       int n, struct figure *g);
 
 #endif

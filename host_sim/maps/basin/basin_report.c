@@ -1,15 +1,11 @@
-/* basin_report.c - the rows of a basin map as a table of
- * attractors on standard output, their picture and page. */
+/* basin_report.c - the rows of a basin map as a table of attractors, and what the figure is of. */
 #include "host_sim/maps/basin/basin.h"
-#include "host_sim/cli/files.h"
 
-#include <errno.h>
 #include <string.h>
 
 struct report {
     const struct basin *b;
     const char *path; /* the rows are there */
-    FILE *summary;
     struct basin_clusters clusters;
     struct basin_row *row;
     int n;
@@ -93,55 +89,41 @@ static void print_table(FILE *f, const struct report *r)
     }
 }
 
-static int draw(const struct report *r)
+static void tell(void *context, const struct rows_table *t, FILE *f)
 {
-    const struct usage *u = r->b->m.o.usage;
-    const char *svg = options_text(&r->b->m.o, "svg", 0);
-    FILE *f = svg ? files_compose(svg) : NULL;
-    if (!svg)
-        return 0;
-    if (!f)
-        return options_failure(u, "--svg %s: %s; the rows are whole: give --rows %s with another", svg,
-                               strerror(errno), r->path);
-    const char *why = basin_draw(r->b, &r->clusters, r->row, r->n, f);
-    if (!files_finish(f, !why) && !why)
-        why = strerror(errno);
-    return why ? options_failure(u, "--svg %s: %s; make room and give --rows %s", svg, why, r->path) : 0;
+    (void)t;
+    print_table(f, context);
 }
 
-static int write_page(const struct report *r)
+static const char *draw(void *context, const struct rows_table *t, struct figure *g)
 {
-    const char *path = options_text(&r->b->m.o, "report", 0);
-    const char *why = path ? basin_html(r->b, &r->clusters, r->row, r->n, path) : NULL;
-    return why ? options_failure(r->b->m.o.usage, "--report %s cannot be written: %s; then give --rows %s",
-                                 path, why, r->path)
-               : 0;
+    const struct report *r = context;
+    (void)t;
+    return basin_draw(r->b, &r->clusters, r->row, r->n, g);
 }
 
-static int conclude(struct report *r)
+/* The attractors in the order of their frequency. */
+static int sum_up(void *context, const struct rows_table *t)
 {
     static int order[BASIN_ATTRACTORS];
+    struct report *r = context;
+    r->row = (struct basin_row *)(void *)t->row;
+    r->n = t->n;
+    int status = sort_rows(r);
+    if (status)
+        return status;
     basin_clusters_finish(&r->clusters, order);
     for (int i = 0; i < r->n; i++)
         r->row[i].attractor = r->row[i].attractor < 0 ? -1 : order[r->row[i].attractor];
-    print_table(r->summary, r);
-    int status = draw(r);
-    return status ? status : write_page(r);
+    return 0;
 }
 
 int basin_report(const struct basin *b, const char *path)
 {
+    static const struct maps_finding found = {.read = sum_up, .tell = tell, .draw = draw, .is_table = true};
     static struct report r;
-    struct rows_table t;
-    int status = path ? rows_load(&b->m.o, &b->m.rows, path, &t) : maps_load_rows(&b->m, &t);
-    r = (struct report){.b = b,
-                        .path = path ? path : "standard output",
-                        .summary = path ? stdout : stderr,
-                        .row = (struct basin_row *)(void *)t.row,
-                        .n = t.n};
+    const char *out = options_text(&b->m.o, "out", 0);
+    r = (struct report){.b = b, .path = path ? path : out ? out : "standard output"};
     basin_clusters_start(&r.clusters, b->plant.model);
-    status = status ? status : sort_rows(&r);
-    status = status ? status : conclude(&r);
-    rows_free(&t);
-    return status;
+    return maps_conclude(&b->m, path, &found, &r);
 }

@@ -39,7 +39,7 @@ const struct usage random_usage = {
         "  contactplant random nayak-random --seeds 1000 --shard 2/8 --out rows2.csv\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {random_options, maps_options, jobs_options},
+    .table = {random_options, maps_options, maps_outputs, jobs_options},
 };
 
 static bool compute(void *context, int job, FILE *rows)
@@ -57,7 +57,7 @@ static int run(struct random_runs *r)
 {
     struct jobs j = {.n = r->n, .compute = compute, .context = r};
     int status = maps_compute(&r->m, &j);
-    return status || !maps_is_whole(&r->m) ? status : random_report(r);
+    return status ? status : random_report(r);
 }
 
 int cmd_random(int argc, char **argv)

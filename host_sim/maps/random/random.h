@@ -52,8 +52,8 @@ int random_read(struct random_runs *r);
 /* Computes realisation i over this time: row[random_columns]. NULL, or why the plant refuses. */
 const char *random_realise(const struct random_runs *r, int i, double over, double *row);
 
-/* Statistics of the rows in --out, as CSV on standard output, and the picture --svg. 0, or the exit status
- * after a line. */
+/* Statistics of the rows: --statistics, the summary, --svg and --report. 0, or the exit status after a
+ * line. */
 int random_report(const struct random_runs *r);
 
 #endif

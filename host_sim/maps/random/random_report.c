@@ -1,4 +1,4 @@
-/* random_report.c - statistics over all realisations beside the closed form: a CSV and a picture. */
+/* random_report.c - statistics over all realisations beside the closed form: a CSV, a summary, a figure. */
 #include "host_sim/maps/random/random.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/out/cell.h"
@@ -9,9 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/maps/random/random_law.h"
-#include "host_sim/out/utf8.h"
-
-enum { LABEL = 160 };
 
 /* The band of the picture, in standard errors to each side. */
 static const double errors = 2.0;
@@ -191,13 +188,15 @@ static void tell_estimate(FILE *f, const char *name, struct estimate e, const ch
     fputc('\n', f);
 }
 
-static void tell(const struct report *p, FILE *f)
+static void tell(void *context, const struct rows_table *t, FILE *f)
 {
+    const struct report *p = context;
     const struct random_runs *r = p->r;
     const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
     bool plain = scenes_dimensionless(&r->m.scene), bare = plain || !strcmp(y->unit, "1");
     struct estimate mean = estimate(p, cell, RANDOM_MEAN), v = variance(p, mean.value);
     double none = (double)NAN, moment[2] = {none, none};
+    (void)t;
     v.value = sqrt(fmax(v.value, 0.0));
     v.error = v.value > 0.0 ? 0.5 * v.error / v.value : 0.0;
     if (p->law)
@@ -214,7 +213,7 @@ static void tell(const struct report *p, FILE *f)
                   estimate(p, cell, RANDOM_TOUCHES), "", p->law ? random_law_touches(p->law) : none);
 }
 
-/* ---- the picture ---- */
+/* ---- the figure ---- */
 
 struct curve {
     double x[RANDOM_BINS + 1], low[RANDOM_BINS + 1], high[RANDOM_BINS + 1], closed[RANDOM_BINS + 1];
@@ -226,16 +225,26 @@ static double logarithm_of(double value)
     return value > 0.0 ? log10(value) : (double)NAN;
 }
 
-static void draw_curve(struct chart *c, const struct curve *k, const char *label, bool closed)
+static void put_curve(struct figure *g, const struct curve *k, const char *title, bool closed)
 {
-    double min = (double)INFINITY, max = -(double)INFINITY;
-    chart_range_add(&min, &max, k->high, k->n);
-    chart_range_add(&min, &max, k->low, k->n);
-    chart_range_finish(&min, &max);
-    chart_panel(c, label, 220.0, min, max);
-    chart_band(c, k->x, k->low, k->high, k->n, CHART_BLUE, "realisations, two standard errors");
+    static const char realisations[] = "realisations, two standard errors", form[] = "closed form";
+    figure_panel(g, title, "", 220.0);
+    figure_put(g, &(struct figure_layer){.kind = FIGURE_BAND,
+                                         .name = realisations,
+                                         .legend = realisations,
+                                         .colour = CHART_BLUE,
+                                         .n = k->n,
+                                         .x = k->x,
+                                         .y = k->low,
+                                         .z = k->high});
     if (closed)
-        chart_line(c, k->x, k->closed, k->n, CHART_RED, "closed form");
+        figure_put(g, &(struct figure_layer){.kind = FIGURE_LINE,
+                                             .name = form,
+                                             .legend = form,
+                                             .colour = CHART_RED,
+                                             .n = k->n,
+                                             .x = k->x,
+                                             .y = k->closed});
 }
 
 static void fill(struct curve *k, double x, struct estimate e, double closed)
@@ -249,69 +258,61 @@ static void fill(struct curve *k, double x, struct estimate e, double closed)
         k->high[i] = (double)NAN;
 }
 
-static void draw(const struct report *p, struct chart *c)
+static const char *draw(void *context, const struct rows_table *t, struct figure *g)
 {
     static struct curve k;
+    const struct report *p = context;
     const struct random_runs *r = p->r;
     const struct signal *y = &r->m.scene.model->output_signal[(int)r->m.scene.observable];
     bool plain = scenes_dimensionless(&r->m.scene);
-    char text[LABEL], x_label[LABEL];
-    double factor = chart_label(x_label, sizeof x_label, y->name, plain ? "" : y->unit,
-                                fmax(fabs(r->low), fabs(r->high)));
-    snprintf(text, sizeof text, "contactplant random %.*s", utf8_fits(r->m.name, 100), r->m.name);
-    char under[LABEL];
-    snprintf(under, sizeof under, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
-    chart_begin(c, text, under);
-    chart_x_range(c, factor * r->low, factor * r->high);
+    char text[FIGURE_TEXT];
+    (void)t;
+    snprintf(text, sizeof text, "%d realisations over %g%s each", p->n, r->over, plain ? "" : " s");
+    figure_subtitle(g, text);
+    figure_axis(g, &(struct figure_axis){y->name, plain ? "" : y->unit, r->low, r->high, false});
     k.n = 0;
     for (int i = 0; i < r->n_bins; i++)
-        fill(&k, factor * 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
+        fill(&k, 0.5 * (random_edge(r, i) + random_edge(r, i + 1)), estimate(p, row_density, i),
              law_density(p, i));
     snprintf(text, sizeof text,
              plain || !strcmp(y->unit, "1") ? "log10 of density"
              : strpbrk(y->unit, "/ ")       ? "log10 of density (1/(%s))"
                                             : "log10 of density (1/%s)",
              y->unit);
-    draw_curve(c, &k, text, p->law != NULL);
+    put_curve(g, &k, text, p->law != NULL);
     k.n = 0;
     for (int i = 0; i <= r->n_bins; i++)
-        fill(&k, factor * random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
-    draw_curve(c, &k, plain ? "log10 of up-crossings per time" : "log10 of up-crossings per second",
-               p->law != NULL);
-    chart_x_axis(c, x_label);
+        fill(&k, random_edge(r, i), estimate(p, row_crossing, i), law_crossing(p, i));
+    put_curve(g, &k, plain ? "log10 of up-crossings per time" : "log10 of up-crossings per second",
+              p->law != NULL);
+    return NULL;
 }
 
 /* Without a whole run's rows there is nothing to sum up. */
-static int conclude(const struct report *p)
+static int sum_up(void *context, const struct rows_table *t)
 {
+    struct report *p = context;
     const struct random_runs *r = p->r;
-    struct chart c;
+    p->t = *t;
+    for (int i = 0; i < t->n; i++)
+        p->n += stayed(p, i);
     if (p->n < r->n)
         fprintf(stderr, "contactplant random: %d of %d realisations escaped and are left out\n", r->n - p->n,
                 r->n);
     if (p->n < 2)
         return options_failure(
             r->m.o.usage, "fewer than two realisations stayed finite; give weaker noise or a shorter --over");
-    tell(p, options_summary(&r->m.o));
-    int status = write_statistics(p);
-    if (status || !options_given(&r->m.o, "svg"))
-        return status;
-    draw(p, &c);
-    return maps_finish_chart(&r->m, &c);
+    return write_statistics(p);
 }
 
 int random_report(const struct random_runs *r)
 {
+    static const struct maps_finding found = {.read = sum_up, .tell = tell, .draw = draw};
     static struct random_law law;
     struct report p = {.r = r};
     const char *why = random_law_of(&r->m.scene, &law);
-    int status = maps_load_rows(&r->m, &p.t);
-    for (int i = 0; i < p.t.n; i++)
-        p.n += stayed(&p, i);
     p.law = why ? NULL : &law;
-    if (!status && why)
+    if (why)
         fprintf(stderr, "contactplant random: no closed form: %s\n", why);
-    status = status ? status : conclude(&p);
-    rows_free(&p.t);
-    return status;
+    return maps_conclude(&r->m, NULL, &found, &p);
 }

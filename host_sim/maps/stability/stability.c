@@ -41,7 +41,7 @@ const struct usage stability_usage = {
         "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out steps.csv "
         "--svg steps.svg\n",
     .max_words = 1,
-    .table = {stability_options, maps_options, jobs_options},
+    .table = {stability_options, maps_options, maps_outputs, jobs_options},
 };
 
 static bool compute(void *context, int job, FILE *rows)
@@ -84,9 +84,8 @@ static int run(struct stability *s)
                      .ends = ends,
                      .context = s};
     int status = maps_compute(&s->m, &j);
-    if (!status && options_given(&s->m.o, "svg"))
-        status = stability_chart(s);
-    return status ? status : stability_tell(s);
+    static const struct maps_finding found = {.tell = stability_tell, .draw = stability_draw};
+    return status ? status : maps_conclude(&s->m, NULL, &found, s);
 }
 
 int cmd_stability(int argc, char **argv)

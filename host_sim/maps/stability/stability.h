@@ -52,10 +52,8 @@ int stability_floquet_kind(const double *cell);
 int stability_energy_kind(const double *cell);
 int stability_switches_kind(const double *cell);
 
-/* How much of the map is unstable and where, as a summary. 0, or the exit status after a line. */
-int stability_tell(const struct stability *s);
-
-/* The picture of the rows in --out. 0, or the exit status after a line. */
-int stability_chart(const struct stability *s);
+/* How much of the map is unstable and where; and as a figure: see maps_finding. */
+void stability_tell(void *context, const struct rows_table *t, FILE *f);
+const char *stability_draw(void *context, const struct rows_table *t, struct figure *g);
 
 #endif

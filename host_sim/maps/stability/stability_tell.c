@@ -67,7 +67,7 @@ static void tell_tongues(const struct stability *s, const struct rows_table *t, 
         fprintf(f, "  and %d more\n", told - TONGUES_TOLD);
 }
 
-static void tell(const void *context, const struct rows_table *t, FILE *f)
+void stability_tell(void *context, const struct rows_table *t, FILE *f)
 {
     const struct stability *s = context;
     char a[UNIT_TEXT], b[UNIT_TEXT];
@@ -89,9 +89,4 @@ static void tell(const void *context, const struct rows_table *t, FILE *f)
     tell_count(f, "unstable in the plant only", count(t, stability_floquet_kind, 1), t->n);
     tell_count(f, "unstable in the method only", count(t, stability_floquet_kind, 2), t->n);
     tell_tongues(s, t, f);
-}
-
-int stability_tell(const struct stability *s)
-{
-    return maps_tell(&s->m, tell, s);
 }

@@ -21,8 +21,6 @@ static const struct option sweep_options[] = {
      .identity = IDENTITY_INSIDE},
     {"bracket", "E", "width of a jump's bracket, relative to its place (1e-4)", OPTION_NUMBER, 1e-9, 1e-1,
      .initial = "1e-4", .identity = IDENTITY_INSIDE},
-    {"report", "FILE", "a page with charts of the rows in --out, which opens in a browser without a network",
-     OPTION_WRITES, .initial = NULL, .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
 };
 
@@ -42,7 +40,7 @@ const struct usage sweep_usage = {
                 "Hz:240 Hz:7\"\n"
                 "  contactplant sweep bbp-fig2-force --sweep omega=0.7:1.1:80 --out fig3.csv\n",
     .max_words = 1,
-    .table = {sweep_options, maps_options, jobs_options},
+    .table = {sweep_options, maps_options, maps_outputs, jobs_options},
 };
 
 int cmd_sweep(int argc, char **argv)
@@ -52,7 +50,6 @@ int cmd_sweep(int argc, char **argv)
     if (!options_parse(&s.m.o, &sweep_usage, argc, argv, &status))
         return status;
     status = sweep_read(&s);
-    status = status ? status : sweep_check_report(&s);
     struct jobs j = {.n = s.family.values.n ? s.family.values.n : 1,
                      .compute = sweep_chain,
                      .parts = 2 * s.range.values.n,
@@ -60,11 +57,8 @@ int cmd_sweep(int argc, char **argv)
                      .resume = sweep_resume,
                      .context = &s};
     status = status ? status : maps_compute(&s.m, &j);
-    if (!status && options_given(&s.m.o, "svg"))
-        status = sweep_chart(&s);
-    if (!status && options_given(&s.m.o, "report"))
-        status = sweep_report(&s, argc, argv);
-    status = status ? status : sweep_tell(&s);
+    const struct maps_finding found = {.tell = sweep_tell, .draw = sweep_draw};
+    status = status ? status : maps_conclude(&s.m, NULL, &found, &s);
     free(s.m.identity);
     free(s.scratch);
     return status;

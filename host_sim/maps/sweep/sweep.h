@@ -146,15 +146,8 @@ void sweep_name_harmonic(const struct sweep *s, int i, char name[SWEEP_LABEL]);
 /* "over 20 periods", "until the damping leaves 1e-4". */
 void sweep_say_settled(const struct sweep *s, char text[SWEEP_LABEL]);
 
-/* Jumps and where, the largest amplitude, and what did not settle, as a summary. */
-int sweep_tell(const struct sweep *s);
-
-/* The picture --svg of a file of rows. 0, or the exit status after a line. */
-int sweep_chart(const struct sweep *s);
-
-/* The page --report of a file of rows; and whether its
- * file can be that. 0, or the exit status after a line. */
-int sweep_report(const struct sweep *s, int argc, char **argv);
-int sweep_check_report(const struct sweep *s);
+/* Jumps and where, the largest amplitude, and what did not settle; and as a figure: see maps_finding. */
+void sweep_tell(void *context, const struct rows_table *t, FILE *f);
+const char *sweep_draw(void *context, const struct rows_table *t, struct figure *g);
 
 #endif

@@ -34,8 +34,7 @@ static void tell_points(const struct sweep *s, int job, int n, const char *kind,
 {
     char family[SCENE_RANGE_NAME + 32] = "";
     if (s->family.values.n)
-        snprintf(family, sizeof family, ", %s = %.9g", s->family.column,
-                 range_value(&s->family.values, job));
+        snprintf(family, sizeof family, ", %s = %.9g", s->family.column, range_value(&s->family.values, job));
     fprintf(stderr, "contactplant sweep: %s: %d point%s; %s between %s = %.9g and %.9g%s\n", kind, n,
             n > 1 ? "s" : "", not_looked_for, s->range.column, from, to, family);
 }

@@ -62,7 +62,7 @@ static int find_largest(const struct rows_table *t, const struct sweep_result *r
     return largest;
 }
 
-static void tell(const void *context, const struct rows_table *t, FILE *f)
+void sweep_tell(void *context, const struct rows_table *t, FILE *f)
 {
     const struct sweep *s = context;
     const struct sweep_result *row = rows_row(t, 0);
@@ -99,9 +99,4 @@ static void tell(const void *context, const struct rows_table *t, FILE *f)
         fprintf(f, "%d %s did not settle\n", unsettled, unsettled == 1 ? "point" : "points");
     if (escaped)
         fprintf(f, "the motion escaped at %d points\n", escaped);
-}
-
-int sweep_tell(const struct sweep *s)
-{
-    return maps_tell(&s->m, tell, s);
 }

@@ -25,11 +25,13 @@ function addTable(section, s) {
 }
 
 function addChart(section, s) {
-  for (const l of s.log ? s.layers : []) /* the y axis is one of powers of ten */
+  for (const l of s.log === "both" ? s.layers : []) /* the y axis is one of powers of ten */
     l.y &&= l.y.map(Math.log10);
   const canvas = add(section, "canvas");
   canvas.role = "img";
   charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
+  s.exact = s.layers.some((l) => l.kind === "bounds");
+  s.layers = s.layers.filter((l) => l.kind !== "bounds");
   const chart = charts[charts.length - 1];
   canvas.addEventListener("pointermove", (e) => point(chart.s.x_name, chart.chart.xAt(e.offsetX)));
   canvas.addEventListener("pointerleave", () => point(s.x_name, NaN));
@@ -66,11 +68,16 @@ function columnsOf(chart, l) {
   return {low, high};
 }
 
+const ys = (l) => l.y || [...l.low, ...l.high];
+
 function bounds(s) {
+  const given = s.layers.find((l) => l.kind === "bounds");
+  if (given)
+    return {x: given.x, y: given.y};
   const own = s.layers.filter((l) => l.kind !== "marker" && l.kind !== "span");
-  const x = extremes(own.flatMap((l) => l.ends || [...l.x, ...(l.end || [])]));
-  const y = extremes(own.flatMap((l) => l.kind === "open" ? [0, 1] : l.kind === "band" ? [...l.low, ...l.high] : l.y));
-  return {x, y: own.every((l) => l.kind === "open") ? [0, 1] : rangeOf(...y)};
+  const x = extremes(own.flatMap((l) => l.ends || [...l.x, ...(l.end || []), ...(l.to || [])]));
+  const y = extremes(own.flatMap((l) => l.kind === "open" ? [0, 1] : l.half ? l.y.flatMap((v) => [v - l.half[0], v + l.half[0]]) : ys(l)));
+  return {x, y: own.every((l) => l.kind === "open") ? y : rangeOf(...y)};
 }
 
 /* The share of open contact in each pixel column: the mean of the parts in it. Nothing is drawn where it is not known. */
@@ -102,6 +109,10 @@ function drawLayer(chart, l, ink) {
     chart.span(l.ends[0], l.ends[1], "red", 0.2);
   else if (l.kind === "marker")
     chart.marker(l.x[0], "red", l.name);
+  else if (l.kind === "area")
+    chart.area(l.x, l.low, l.high, ink);
+  else if (l.kind === "cells")
+    chart.cells(l.x, l.to, l.y, l.half[0], ink);
   else if (l.kind === "points")
     chart.points(l.x, l.y.map((v) => v ?? NaN), ink, {size: 4});
   else
@@ -111,7 +122,7 @@ function drawLayer(chart, l, ink) {
 /* What a layer says at the cursor. */
 function valueAt(l, x, unit) {
   const xs = l.x || [];
-  if (!finite(x) || l.kind === "marker" || l.kind === "span" || l.kind === "open" || !xs.length)
+  if (!finite(x) || ["marker", "span", "open", "cells"].includes(l.kind) || !xs.length)
     return "";
   let i = 0;
   for (let k = 0; k < xs.length; k++)
@@ -119,20 +130,20 @@ function valueAt(l, x, unit) {
       i = k;
   if (unit === "log")
     return number(10 ** l.y[i], 3);
-  return l.kind !== "band" ? quantity(l.y[i] ?? NaN, unit, 6)
+  return !l.low ? quantity(l.y[i] ?? NaN, unit, 6)
     : l.low[i] === l.high[i] ? quantity(l.low[i] ?? NaN, unit, 6) : quantity(l.low[i], unit) + " … " + quantity(l.high[i], unit);
 }
 
 function drawChart(c) {
   const {s, chart, canvas} = c, range = Object.assign({}, c.bounds), all = charts.filter((o) => /time$/.test(s.x_name) ? o.group === c.group : o === c);
   const x = extremes(all.flatMap((o) => o.bounds.x)), strip = s.layers.some((l) => l.kind === "open");
-  const plane = s.layers.every((l) => l.kind === "points") && !/time$/.test(s.x_name);
+  const plane = s.layers.every((l) => l.kind === "points" || l.kind === "cells") && !/time$/.test(s.x_name);
   canvas.style.height = strip ? "72px" : plane ? "340px" : "190px";
-  range.x = s.log ? [x[0] / 1.3, x[1] * 1.3] : x[1] > x[0] && !plane ? x : rangeOf(...x);
-  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title + (s.log ? ", power of ten" : ""), xLabel: s.x_name,
+  range.x = s.log === "both" ? [x[0] / 1.3, x[1] * 1.3] : x[1] > x[0] && (!plane || s.exact) ? x : rangeOf(...x);
+  chart.begin({x: range.x, y: range.y, xUnit: s.x_unit, yUnit: s.unit, title: s.title + (s.log === "both" ? ", power of ten" : ""), xLabel: s.x_name,
     bare: strip, log: s.log});
   const named = s.layers.filter((l) => !["marker", "open", "span"].includes(l.kind)), span = s.layers.find((l) => l.kind === "span");
-  const ink = (l) => INKS[[...new Set(named.map((k) => k.name))].indexOf(l.name) % INKS.length];
+  const ink = (l) => l.ink || INKS[[...new Set(named.map((k) => k.name))].indexOf(l.name) % INKS.length];
   for (const l of s.layers)
     drawLayer(chart, l, ink(l));
   if (c.cursor >= range.x[0] && c.cursor <= range.x[1])
@@ -140,13 +151,13 @@ function drawChart(c) {
   const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
   for (const l of named)
     if (!seen.has(l.name) || finite(c.cursor))
-      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log ? "log" : s.unit)).trim(), ink(l)]);
+      seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log === "both" ? "log" : s.unit)).trim(), ink(l)]);
   if (span)
     entries.push([span.name, "red"]);
   chart.legend(entries);
   chart.end();
   canvas.ariaLabel = s.title + " over " + s.x_name + (strip ? "" : ", from " +
-    extremes(named.flatMap((l) => l.y || [...l.low, ...l.high])).map((v) => quantity(v, s.unit)).join(" to "));
+    extremes(named.flatMap(ys)).map((v) => quantity(v, s.unit)).join(" to "));
 }
 
 function drawAll() {

@@ -1,5 +1,4 @@
-/* test_maps_identity.c - what makes a file of rows resumable: every option of every map says whether it
- * counts. */
+/* test_maps_identity.c - every option of every map says whether it belongs to the number of a run. */
 #include "host_sim/maps/basin/basin.h"
 #include "host_sim/maps/random/random.h"
 #include "host_sim/maps/stability/stability.h"
