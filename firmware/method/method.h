@@ -132,8 +132,9 @@ struct method_block {
 };
 
 /* Several steps: up to n ticks of the block b, from the one on whose state is x[0] and whose inputs are at[0]
- * to at[2]. It stops before a tick in which a contact may switch, or which the state leaves. Returns the
- * ticks done, which have the bits of single steps. */
+ * to at[2]. It stops before a tick in which a contact may switch, or which the state leaves. Or it stops
+ * behind a tick in which a contact did, and has it in `switched`. Returns the ticks done, which have the bits
+ * of single steps. */
 typedef uint32_t run_function(const struct model *m, const double *p, double *scratch,
                               const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
                               double (*x)[MODEL_STATES], uint32_t n);
@@ -148,6 +149,13 @@ struct method_books {
     double damping;            /* lost in dampers and by changes of branch, >= 0 */
     double heat;               /* brought in by thermal forces */
     double force;              /* the largest contact force; of a step of length 0: that of the step before */
+};
+
+/* The only switch in the last tick of a run, of a contact whose gap the inputs do not move. */
+struct method_switch {
+    double done;            /* model time from the begin of the tick, inside it */
+    double force;           /* the largest contact force before it; the books have that behind it */
+    double x[MODEL_STATES]; /* the state there */
 };
 
 struct method {
@@ -176,6 +184,8 @@ struct method {
     /* NULL, or the books of the last step, or of each tick of the last run; the ledger takes them as they
      * are. It may give NULL, too, after `prepare`: then the ledger has its own rule. */
     const struct method_books *(*books)(const double *scratch);
+    /* NULL, or the switch in the last tick of the last run; it gives NULL where there was none. */
+    const struct method_switch *(*switched)(const double *scratch);
 };
 
 /* The step guard of rk4, rk4_float32 and rk4_unlocated: the largest eigenfrequency * step, in rad. Above it a

@@ -215,13 +215,18 @@ ALWAYS_INLINE void rise_to(double *peak, double force)
         *peak = force;
 }
 
+ALWAYS_INLINE void pass_time(struct plant *pl, double length)
+{
+    pl->total_time += length;
+    if (pl->regime == 0 && pl->model->n_contacts > 0)
+        pl->loss_time += length;
+}
+
 /* Books what happened between x0 and the state now: energy, peak force, time without contact. */
 ALWAYS_INLINE void book_piece(struct plant *pl, const struct segment *e, const double *x0)
 {
     rise_to(&pl->peak_force, pl->books ? book_otherwise(pl) : ledger_piece(&pl->ledger, pl->p, e, x0, pl->x));
-    pl->total_time += e->length;
-    if (pl->regime == 0 && pl->model->n_contacts > 0)
-        pl->loss_time += e->length;
+    pass_time(pl, e->length);
 }
 
 /* The piece up to `done`, booked; what is left of the segment stays in pl->segment. */
@@ -442,9 +447,12 @@ NEVER_INLINE bool is_quiet(const struct plant *pl)
  * step and the next. */
 struct quiet {
     struct method_block b;
-    unsigned turning;      /* bit i: drive i turns; the others that sound stand */
-    uint64_t origin;       /* number of the block's first tick */
-    uint32_t done, booked; /* its ticks that are moved, and that the ledger has */
+    unsigned turning;                     /* bit i: drive i turns; the others that sound stand */
+    uint64_t origin;                      /* number of the block's first tick */
+    uint32_t done, booked;                /* its ticks that are moved, and that the ledger has */
+    uint64_t passed;                      /* up to this tick drives and times have gone on */
+    const struct method_switch *switched; /* in the tick behind `done`; NULL: none */
+    const struct method_books *books;     /* its books */
     ledger_ticks_function *book;
     enum step_status status; /* how the last single step ended */
     struct crossing c;
@@ -457,7 +465,8 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
     struct segment *e = &pl->segment;
     struct method_block *b = &q->b;
     q->turning = q->done = q->booked = 0;
-    q->origin = pl->now.tick;
+    q->origin = q->passed = pl->now.tick;
+    q->switched = NULL;
     q->book = ledger_bind_ticks(pl->model);
     e->instant = (pl->now.tick - 1) * TICK_FRACTIONS;
     q->c = (struct crossing){0.0, 0, 0, 0.0};
@@ -539,14 +548,6 @@ ALWAYS_INLINE struct ticks ticks_after(struct ticks t, uint32_t n)
     return (struct ticks){t.x + n, t.at + 2 * n, t.phasor + n};
 }
 
-/* The method's books of n ticks that it has run. */
-ALWAYS_INLINE void take_books(struct plant *pl, uint32_t n)
-{
-    const struct method_books *b = pl->method->books(pl->scratch);
-    for (uint32_t k = 0; k < n; k++)
-        rise_to(&pl->peak_force, ledger_take(&pl->ledger, &b[k]));
-}
-
 /* `asked` ticks, at most BLOCK_TOGETHER; returns those that are good to their ends. */
 ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct ticks t, uint32_t asked)
 {
@@ -563,8 +564,6 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
     }
     done = pl->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
-    if (pl->books == BOOKS_OF_METHOD)
-        take_books(pl, done);
     while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
         done++;
     return done;
@@ -594,6 +593,31 @@ static bool run_block(struct plant *pl, struct quiet *q, uint32_t n)
         t = ticks_after(t, BLOCK_TOGETHER);
     } while (moved == BLOCK_TOGETHER && q->done < to);
     return moved == asked;
+}
+
+/* As run_block, by a method that keeps books of its own: nothing has to follow behind. */
+static bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
+{
+    struct ticks t = ticks_from(&q->b, q->done);
+    unsigned drives = q->turning;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        for (uint32_t k = 0; (drives & 1u) && k < n; k++)
+            drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[2 * k][i], &t.phasor[k][i], 1);
+    }
+    uint32_t done = pl->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
+    pl->segment.instant += done * TICK_FRACTIONS;
+    q->switched = pl->method->switched ? pl->method->switched(pl->scratch) : NULL;
+    uint32_t plain = q->switched ? done - 1 : done;
+    const struct method_books *b = pl->method->books(pl->scratch);
+    q->books = &b[plain];
+    rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, plain));
+    q->done += plain;
+    if (done == n || q->switched)
+        return true;
+    if (!step_suspect(pl, q, ticks_after(t, done)))
+        return false;
+    q->done++;
+    return true;
 }
 
 /* The block is full: the ticks that are not booked move to its begin. */
@@ -642,16 +666,40 @@ static void pass_drives(struct plant *pl, const struct quiet *q, uint32_t ticks)
     }
 }
 
-/* Time goes on by so many ticks without a switch. */
-static void pass_ticks(struct plant *pl, const struct quiet *q, uint32_t ticks)
+/* Time goes on to the ticks that are done, none of which has a switch. */
+static void pass_ticks(struct plant *pl, struct quiet *q)
 {
     bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
+    uint32_t ticks = (uint32_t)(q->origin + q->done - q->passed);
+    q->passed += ticks;
     pass_drives(pl, q, ticks);
     /* the sums of so many single additions */
     for (uint32_t k = 0; k < ticks; k++)
         pl->total_time += pl->h;
     for (uint32_t k = 0; lost && k < ticks; k++)
         pl->loss_time += pl->h;
+}
+
+/* The tick behind those that are done, in which a contact switches on the way: as integrate_rest does it. */
+NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
+{
+    const struct method_switch *w = q->switched;
+    const struct crossing c = {w->done, 0, 0, 0.0};
+    double rest = pl->h - w->done;
+    pass_ticks(pl, q);
+    pass_drives(pl, q, 1);
+    pl->now.tick = q->passed++;
+    copy_state(pl->x, w->x, pl->model->n_states);
+    rise_to(&pl->peak_force, w->force);
+    pass_time(pl, w->done);
+    take_switch(pl, &c, w->done * pl->ticks_per_time);
+    pass_time(pl, rest);
+    rise_to(&pl->peak_force, ledger_take(&pl->ledger, q->books));
+    if (pl->counts.pieces_max < 2)
+        pl->counts.pieces_max = 2;
+    q->b.regime = pl->regime;
+    q->switched = NULL;
+    q->done++;
 }
 
 /* The tick behind those that are done, in which a contact switches or that cannot be taken. */
@@ -692,22 +740,28 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_
 {
     struct quiet q;
     bool good = true;
-    uint64_t begin = pl->now.tick;
+    bool booked = pl->run && pl->books == BOOKS_OF_METHOD;
     n = begin_quiet(pl, n, &q);
     for (uint32_t moved = 0; good && n > 0; n -= moved) {
         if (q.done == BLOCK_TICKS)
             move_block(&q, pl->model->n_states, pl->books != BOOKS_OF_LEDGER);
         uint32_t from = q.done, room = BLOCK_TICKS - from;
-        good = run_block(pl, &q, n < room ? n : room);
+        good = (booked ? run_booked : run_block)(pl, &q, n < room ? n : room);
         moved = q.done - from;
         if (several && moved > 0)
             several(who, pl, &q.b, from, moved);
         else if (look)
             look_at_ticks(pl, &q, from, look, who);
+        if (q.switched) {
+            pass_switch(pl, &q);
+            moved++;
+            if (look)
+                look_at_ticks(pl, &q, q.done - 1, look, who);
+        }
     }
     book_ticks(pl, &q, ticks_from(&q.b, q.booked), q.done - q.booked);
     show_tick(pl, &q, q.done);
-    pass_ticks(pl, &q, (uint32_t)(pl->now.tick - begin));
+    pass_ticks(pl, &q);
     if (good) {
         copy_state(pl->x, q.b.x[q.done], pl->model->n_states);
         return true;

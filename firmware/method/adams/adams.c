@@ -1,13 +1,13 @@
 /* adams.c - Adams' predictor and corrector with one force a tick, for errors of 1e-3.
  *
  * The motion is eta'' = u(t) + g(eta, eta') of a model's hertz_form. The inputs' part u is integrated in
- * closed form (adams_wave.c), so a jump or a ramp of a force spoils nothing. Only g is extrapolated. A cubic
- * through the last four g predicts the end of a tick; a quartic that has g there, too, corrects it (Adams,
- * Bashforth, Moulton; Stormer for the place). g is not computed again. The order is 5 in smooth motion. A
- * step goes straight through a contact switch, and across it the order is 2 to 2.5. A tick costs one square
- * root.
+ * closed form (adams_wave.c), so a jump or a ramp of a force spoils nothing. Only g is extrapolated. A
+ * quartic through the last five g predicts the end of a tick; a quintic that has g there, too, corrects it
+ * (Adams, Bashforth, Moulton; Stormer for the place). g is not computed again. The order is 6 in smooth
+ * motion, and 5 with its start. A step goes straight through a contact switch, and across it the order is 2
+ * to 2.5. A tick costs one square root.
  *
- * The first four g come from steps of a Runge-Kutta method of order 4. They are needed after a state that was
+ * The first five g come from steps of a Runge-Kutta method of order 4. They are needed after a state that was
  * set, a change of parameters, and a part of a tick. An input that stands in g (a moving base, a modulated
  * stiffness) needs one whenever it changes.
  *
@@ -45,13 +45,14 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 }
 
 /* Weights of equal steps, in units of h^2 for the place and of h for the rate: the integrals of 1 - s and of
- * 1 over 0 <= s <= 1 times the cubics that are 1 at one of 0, -1, -2, -3. The corrector's quartic is the
- * cubic and a multiple of the quartic that is 0 at these and 1 at 1. */
-static const double predict[ADAMS_NODES][2] = {{323.0 / 360.0, 55.0 / 24.0},
-                                               {-264.0 / 360.0, -59.0 / 24.0},
-                                               {159.0 / 360.0, 37.0 / 24.0},
-                                               {-38.0 / 360.0, -9.0 / 24.0}};
-static const double correct[2] = {135.0 / 1440.0, 251.0 / 720.0};
+ * 1 over 0 <= s <= 1 times the quartics that are 1 at one of 0, -1, .. -4 and 0 at the others. The
+ * corrector's quintic is that quartic and a multiple of the quintic that is 0 at these and 1 at 1. */
+static const double predict[ADAMS_NODES][2] = {{1427.0 / 1440.0, 1901.0 / 720.0},
+                                               {-1596.0 / 1440.0, -2774.0 / 720.0},
+                                               {1446.0 / 1440.0, 2616.0 / 720.0},
+                                               {-692.0 / 1440.0, -1274.0 / 720.0},
+                                               {135.0 / 1440.0, 251.0 / 720.0}};
+static const double correct[2] = {863.0 / 10080.0, 475.0 / 1440.0};
 
 /* The weights for steps of h. `without` lacks the share of the newest g, which the weight of that g brings
  * along. So place and rate at the end of a tick do not stand between one g and the next. */
@@ -116,27 +117,27 @@ ALWAYS_INLINE double force_at(const struct adams *s, double stiffness, double pl
 
 /* Place and rate at the end of a span, but for g: from `from` on, under the push of inputs that begin at the
  * phasors `turn`. */
-ALWAYS_INLINE adams_pair drift(const struct adams *s, const struct adams_push *push,
-                               const struct phasor *turn, double length, adams_pair from, int n_on)
+ALWAYS_INLINE adams_pair drift(const struct adams_push *push, const struct phasor *turn, double length,
+                               adams_pair from, const int *on, int n_on)
 {
     adams_pair to = (from + (adams_pair){length * from[ADAMS_RATE], 0.0}) + push->steady;
     for (int j = 0; j < n_on; j++) {
         const struct adams_response *r = &push->response[j];
-        const struct phasor *t = &turn[s->on[j]];
+        const struct phasor *t = &turn[on[j]];
         to += r->cosine * t->cosine + r->sine * t->sine;
     }
     return to;
 }
 
 /* From m to the end of a tick, but for the books; `stiffness` is that at its end. */
-ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, double stiffness, int n_on,
-                           const struct adams_motion *m, struct adams_motion *end)
+ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, double stiffness, const int *on,
+                           int n_on, const struct adams_motion *m, struct adams_motion *end)
 {
-    adams_pair ahead = drift(s, &s->push, turn, s->h, m->without, n_on);
+    adams_pair ahead = drift(&s->push, turn, s->h, m->without, on, n_on);
     UNROLL
     for (int j = ADAMS_NODES - 1; j >= 0; j--)
         ahead += s->predict[j] * m->g[j];
-    double extrapolated = (4.0 * (m->g[0] + m->g[2]) - 6.0 * m->g[1]) - m->g[3];
+    double extrapolated = (5.0 * (m->g[0] - m->g[3]) - 10.0 * (m->g[1] - m->g[2])) + m->g[4];
     double g = force_at(s, stiffness, ahead[ADAMS_PLACE], ahead[ADAMS_RATE], &end->contact);
     end->without = ahead - s->correct * extrapolated;
     end->at = end->without + s->correct * g;
@@ -178,11 +179,29 @@ ALWAYS_INLINE double peak_force(const struct adams *s, adams_pair a, adams_pair 
     return turn > end ? turn : end;
 }
 
+static struct input gap_of(adams_pair at)
+{
+    return (struct input){-at[ADAMS_PLACE], -at[ADAMS_RATE]};
+}
+
 /* A contact switches from a to b, or may have dipped in between. */
 static bool suspected(adams_pair a, adams_pair b, double length, unsigned regime)
 {
-    const struct input g0 = {-a[ADAMS_PLACE], -a[ADAMS_RATE]}, g1 = {-b[ADAMS_PLACE], -b[ADAMS_RATE]};
+    const struct input g0 = gap_of(a), g1 = gap_of(b);
     return switch_suspected(&g0, &g1, length, regime & 1u);
+}
+
+/* When, or -1; and the rate of eta then. */
+static double instant(adams_pair a, adams_pair b, double length, unsigned regime)
+{
+    const struct input g0 = gap_of(a), g1 = gap_of(b);
+    return switch_instant(&g0, &g1, length, regime & 1u);
+}
+
+static double rate_at(adams_pair a, adams_pair b, double length, double done)
+{
+    const struct input g0 = gap_of(a), g1 = gap_of(b);
+    return -switch_rate(&g0, &g1, length, done);
 }
 
 ALWAYS_INLINE bool inside(adams_pair at, double limit)
@@ -220,6 +239,7 @@ NEVER_INLINE void follow(struct adams *s, const struct segment *e, const double 
 {
     unsigned were = s->active;
     adams_take_waves(s, e);
+    memset(s->books, 0, sizeof s->books); /* the work of other inputs stays 0 */
     if (s->known == 0 || !stands(s, x) || ((were | e->active) & (s->modulating | s->shifting)) != 0) {
         find_place(s, e->at[0], x);
         s->known = 0;
@@ -242,9 +262,9 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
     struct phasor turn[MODEL_INPUTS];
     phasors_of(s, e, turn);
     adams_push_for(s, half, &push);
-    adams_pair middle = drift(s, &push, turn, half, s->m.at, s->n_on);
+    adams_pair middle = drift(&push, turn, half, s->m.at, s->on, s->n_on);
     adams_push_for(s, h, &push);
-    adams_pair end = drift(s, &push, turn, h, s->m.at, s->n_on);
+    adams_pair end = drift(&push, turn, h, s->m.at, s->on, s->n_on);
     double k1 = s->m.g[0], contact;
     double k2 = force_at(s, stiffness, middle[0], middle[1] + half * k1, &contact);
     double k3 = force_at(s, stiffness, middle[0] + half * half * k1, middle[1] + half * k2, &contact);
@@ -269,15 +289,15 @@ static void take(struct adams *s, const struct segment *e, double *x)
     s->from_contact = begin.contact;
     if (s->known == ADAMS_NODES && e->length == s->h) {
         phasors_of(s, e, turn);
-        advance(s, turn, stiffness_at(s, e->at[2]), s->n_on, &begin, &s->m);
+        advance(s, turn, stiffness_at(s, e->at[2]), s->on, s->n_on, &begin, &s->m);
     } else {
         step_alone(s, e);
     }
     if (e->length != s->h)
         s->known = 0;
-    memset(s->books, 0, sizeof s->books);
     const struct adams_rule rule = rule_of(e->length);
-    book_end(s, &rule, e->length, e->at[2], s->kind, s->n_on, &begin.begun, &s->m, &s->books[0]);
+    book_end(s, &rule, e->length, e->at[2], s->kind, s->on, s->n_on, &begin.begun, &s->m, s->books[0].work,
+             &s->books[0].damping);
     state_of(s, e->at[2], s->m.at, s->kind, x);
 }
 
@@ -292,7 +312,7 @@ static void stop_at(struct adams *s, const struct segment *e, double done, adams
     state_of(s, u, at, s->kind, x);
     s->left = e->length - done;
     s->kept = s->books[0];
-    memset(s->books, 0, sizeof s->books);
+    s->books[0] = (struct method_books){.force = 0.0};
 }
 
 /* The motion from s->from to the end of e: to a switch in it, or to its end. The energies of a tick are
@@ -302,14 +322,13 @@ static enum step_status tell(struct adams *s, const struct segment *e, unsigned 
 {
     adams_pair a = s->from, to = s->m.at;
     double length = e->length, done = -1.0, contact = s->m.contact;
-    const struct input g0 = {-a[ADAMS_PLACE], -a[ADAMS_RATE]}, g1 = {-to[ADAMS_PLACE], -to[ADAMS_RATE]};
-    if (!(regime & REGIME_ANY) && switch_suspected(&g0, &g1, length, regime & 1u))
-        done = switch_instant(&g0, &g1, length, regime & 1u);
+    if (!(regime & REGIME_ANY) && suspected(a, to, length, regime))
+        done = instant(a, to, length, regime);
     s->left = 0.0;
     if (done >= 0.0) {
         *c = (struct crossing){done, 0, 0, 0.0};
         if (done < length) {
-            to = (adams_pair){0.0, -switch_rate(&g0, &g1, length, done)};
+            to = (adams_pair){0.0, rate_at(a, to, length, done)};
             stop_at(s, e, done, to, x);
         }
         length = done;
@@ -330,7 +349,7 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     struct adams *s = (struct adams *)(void *)scratch;
     (void)m, (void)p;
     if (e->length == 0.0) { /* behind a switch at the end */
-        memset(s->books, 0, sizeof s->books);
+        s->books[0] = (struct method_books){.force = 0.0};
         return STEP_END;
     }
     if (s->left > 0.0 && e->length == s->left && stands(s, x)) {
@@ -367,29 +386,60 @@ ALWAYS_INLINE bool is_plain(adams_pair a, adams_pair b, double side)
            inside(b, METHOD_STATE_LIMIT);
 }
 
+/* No plain tick leads from `from`, where the contact's force is `begin`, to `to`, where it is `end`: the
+ * compression turns, or a contact switches. False where this is for a single step. (By value: the motion
+ * stays in registers.) */
+NEVER_INLINE bool take_turn(struct adams *s, unsigned regime, double stiffness, adams_pair from,
+                            adams_pair to, double begin, double end, struct method_books *b)
+{
+    double h = s->h, done = -1.0;
+    if (!inside(to, METHOD_STATE_LIMIT))
+        return false;
+    if (suspected(from, to, h, regime))
+        done = instant(from, to, h, regime);
+    if (done >= 0.0) {
+        const adams_pair at = {0.0, rate_at(from, to, h, done)};
+        if (done >= h || s->kind == ADAMS_SHIFTED || suspected(at, to, h - done, regime ^ 1u))
+            return false;
+        begin = fabs(s->force_unit * begin);
+        double most = peak_force(s, from, at, done, stiffness, 0.0);
+        s->has_switched = true;
+        s->switched.done = done;
+        s->switched.force = begin > most ? begin : most;
+        state_of(s, NULL, at, ADAMS_FORCED, s->switched.x);
+        from = at;
+        h -= done;
+    }
+    b->force = peak_force(s, from, to, h, stiffness, end);
+    return true;
+}
+
+/* on[k] is the place of active input k behind `first`. */
 ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n,
-                           enum adams_kind kind, int n_on)
+                           enum adams_kind kind, int first, const int *on, int n_on)
 {
-    const struct phasor(*turn)[MODEL_INPUTS] = &b->phasor[(at - b->at) / 2];
+    const struct phasor *turn = &b->phasor[(at - b->at) / 2][first];
+    const struct input *end = &at[2][first];
     const double side = b->regime & 1u ? 1.0 : -1.0, h = s->h;
     struct adams_motion now = s->m;
     uint32_t k = 0;
-    for (; k < n; k++) {
+    while (k < n && !s->has_switched) {
         struct adams_motion next = {.contact = 0.0};
         struct method_books *books = &s->books[k];
-        const struct input *end = at[2 * k + 2];
         double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_at(s, end);
-        advance(s, turn[k], stiffness, n_on, &now, &next);
+        advance(s, turn, stiffness, on, n_on, &now, &next);
         books->force = fabs(s->force_unit * next.contact);
-        if (!is_plain(now.at, next.at, side)) {
-            if (!inside(next.at, METHOD_STATE_LIMIT) || suspected(now.at, next.at, h, b->regime))
-                break;
-            books->force = peak_force(s, now.at, next.at, h, stiffness, next.contact);
-        }
-        book_end(s, &s->rule, h, end, kind, n_on, &now.begun, &next, books);
+        if (!is_plain(now.at, next.at, side) &&
+            !take_turn(s, b->regime, stiffness, now.at, next.at, now.contact, next.contact, books))
+            break;
+        book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
+                 &books->damping);
         state_of(s, end, next.at, kind, x[k + 1]);
         now = next;
+        k++;
+        turn += MODEL_INPUTS;
+        end += 2 * MODEL_INPUTS;
     }
     s->m = now;
     s->x[0] = x[k][0];
@@ -402,20 +452,16 @@ static uint32_t run_any(const struct model *m, const double *p, double *scratch,
 {
     struct adams *s = (struct adams *)(void *)scratch;
     (void)m, (void)p;
+    s->has_switched = false;
     if (!goes_on(s, b, x[0]))
         return 0;
+    static const int alone[] = {0};
     if (s->kind == ADAMS_SHIFTED)
-        return run(s, b, at, x, n, ADAMS_SHIFTED, s->n_on);
+        return run(s, b, at, x, n, ADAMS_SHIFTED, 0, s->on, s->n_on);
     if (s->kind == ADAMS_MODULATED)
-        return run(s, b, at, x, n, ADAMS_MODULATED, s->n_on);
-    switch (s->n_on) {
-    case 1:
-        return run(s, b, at, x, n, ADAMS_FORCED, 1);
-    case 2:
-        return run(s, b, at, x, n, ADAMS_FORCED, 2);
-    default:
-        return run(s, b, at, x, n, ADAMS_FORCED, s->n_on);
-    }
+        return run(s, b, at, x, n, ADAMS_MODULATED, 0, s->on, s->n_on);
+    return s->n_on == 1 ? run(s, b, at, x, n, ADAMS_FORCED, s->on[0], alone, 1)
+                        : run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, s->n_on);
 }
 
 static run_function *bind_run(const struct model *m)
@@ -429,6 +475,12 @@ static const struct method_books *books(const double *scratch)
     return ((const struct adams *)(const void *)scratch)->books;
 }
 
+static const struct method_switch *switched(const double *scratch)
+{
+    const struct adams *s = (const struct adams *)(const void *)scratch;
+    return s->has_switched ? &s->switched : NULL;
+}
+
 const struct method adams = {
     .name = "adams",
     .title = "Adams' predictor and corrector, one force a tick, drives integrated exactly; order 5, 2 to 2.5 "
@@ -440,4 +492,5 @@ const struct method adams = {
     .bind = bind,
     .bind_run = bind_run,
     .books = books,
+    .switched = switched,
 };

@@ -5,7 +5,7 @@
 #include "firmware/method/method.h"
 
 enum {
-    ADAMS_NODES = 4, /* forces that the predictor looks back on */
+    ADAMS_NODES = 5, /* forces that the predictor looks back on */
     ADAMS_TERMS = 28 /* a wave's integrals as power series: 1e-16 at half a turn */
 };
 
@@ -59,7 +59,8 @@ struct adams {
     /* the inputs */
     unsigned active;
     enum adams_kind kind;
-    int n_on, on[MODEL_INPUTS]; /* the active ones */
+    int n_on, on[MODEL_INPUTS]; /* the active ones, */
+    double force[MODEL_INPUTS]; /* and the force of each in turn */
     struct wave wave[MODEL_INPUTS];
     struct adams_push push; /* in a whole tick */
     /* the past */
@@ -71,7 +72,9 @@ struct adams {
     /* a tick that was cut at a switch: how much of it is left, its end, its energies */
     double left, end[2];
     struct method_books kept;
-    struct method_books books[BLOCK_TOGETHER];
+    struct method_books books[BLOCK_TICKS];
+    bool has_switched;
+    struct method_switch switched;
 };
 
 /* The series of the functions below, once for all. */

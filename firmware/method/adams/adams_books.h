@@ -21,13 +21,11 @@ struct end {
     double contact, steepness;  /* hertz eta^1.5, and its derivative */
 };
 
-ALWAYS_INLINE void book_force(const struct adams *s, int k, const struct end *e, double rate, double change,
+ALWAYS_INLINE void book_force(const struct adams *s, int k, const struct input *u, double rate, double change,
                               struct powers *q)
 {
-    int i = s->on[k];
-    double force = s->form.force[i];
-    q->work[k] = force * (e->u[i].value * rate);
-    q->work_rate[k] = force * (e->u[i].rate * rate + e->u[i].value * change);
+    q->work[k] = s->force[k] * (u->value * rate);
+    q->work_rate[k] = s->force[k] * (u->rate * rate + u->value * change);
 }
 
 /* The contact is stiffer by a part than the stored energy says. */
@@ -74,7 +72,7 @@ NEVER_INLINE void powers_shifted(const struct adams *s, double length, const str
                                f->stiffness * e->rate + more.value * (e->steepness * e->rate) +
                                    more.rate * e->contact};
     for (int k = 0; k < s->n_on; k++) {
-        book_force(s, k, e, body.value, body.rate, q);
+        book_force(s, k, &e->u[s->on[k]], body.value, body.rate, q);
         book_modulation(s, k, e, q);
         book_shift(s, k, fast, e, &pull, &damper, q);
     }
@@ -84,14 +82,14 @@ NEVER_INLINE void powers_shifted(const struct adams *s, double length, const str
 }
 
 ALWAYS_INLINE void powers_of(const struct adams *s, double length, const struct end *e, enum adams_kind kind,
-                             int n_on, struct powers *q)
+                             const int *on, int n_on, struct powers *q)
 {
     if (kind == ADAMS_SHIFTED) {
         powers_shifted(s, length, e, q);
         return;
     }
     for (int k = 0; k < n_on; k++) {
-        book_force(s, k, e, e->rate, e->change, q);
+        book_force(s, k, &e->u[on[k]], e->rate, e->change, q);
         if (kind == ADAMS_MODULATED)
             book_modulation(s, k, e, q);
     }
@@ -107,13 +105,13 @@ ALWAYS_INLINE struct adams_rule rule_of(double length)
 
 /* Where the motion stands. Only what `kind` needs of the contact. */
 ALWAYS_INLINE struct end end_of(const struct adams *s, double length, const struct input *u,
-                                const struct adams_motion *m, enum adams_kind kind, int n_on)
+                                const struct adams_motion *m, enum adams_kind kind, const int *on, int n_on)
 {
     const struct hertz_form *f = &s->form;
     struct end e = {u, m->at[ADAMS_PLACE], m->at[ADAMS_RATE], f->constant + m->g[0], 0.0, 0.0};
     for (int k = 0; k < n_on; k++) {
-        int i = s->on[k];
-        e.change += f->force[i] * u[i].value;
+        int i = on[k];
+        e.change += s->force[k] * u[i].value;
         if (kind == ADAMS_SHIFTED)
             e.change += f->drag[i] * u[i].rate + f->shift[i] * wave_acceleration(&s->wave[i], length, &u[i]);
     }
@@ -130,30 +128,32 @@ ALWAYS_INLINE void book_begin(const struct adams *s, double length, const struct
                               struct adams_motion *m)
 {
     struct powers q;
-    struct end e = end_of(s, 0.0, u, m, s->kind, s->n_on);
+    struct end e = end_of(s, 0.0, u, m, s->kind, s->on, s->n_on);
     struct adams_rule r = rule_of(length);
-    powers_of(s, 0.0, &e, s->kind, s->n_on, &q);
+    powers_of(s, 0.0, &e, s->kind, s->on, s->n_on, &q);
     for (int k = 0; k < s->n_on; k++)
         m->begun.work[k] = r.half * q.work[k] + r.twelfth * q.work_rate[k];
     m->begun.damping = r.half * q.damping + r.twelfth * q.damping_rate;
 }
 
-/* The books by rule r of the tick that ends at m and began with `begun`. The next one begins there and is as
+/* The books by rule r of the tick that ends at m and began with `begun`. on[k] is the place of active input k
+ * in u and in `work`. The next one begins there and is as
  * long. */
 ALWAYS_INLINE void book_end(const struct adams *s, const struct adams_rule *r, double length,
-                            const struct input *u, enum adams_kind kind, int n_on,
-                            const struct adams_half *begun, struct adams_motion *m, struct method_books *b)
+                            const struct input *u, enum adams_kind kind, const int *on, int n_on,
+                            const struct adams_half *begun, struct adams_motion *m, double *work,
+                            double *damping)
 {
     struct powers q;
-    struct end e = end_of(s, length, u, m, kind, n_on);
-    powers_of(s, length, &e, kind, n_on, &q);
+    struct end e = end_of(s, length, u, m, kind, on, n_on);
+    powers_of(s, length, &e, kind, on, n_on, &q);
     for (int k = 0; k < n_on; k++) {
         double even = r->half * q.work[k], odd = r->twelfth * q.work_rate[k];
-        b->work[s->on[k]] = begun->work[k] + (even - odd);
+        work[on[k]] = begun->work[k] + (even - odd);
         m->begun.work[k] = even + odd;
     }
     double even = r->half * q.damping, odd = r->twelfth * q.damping_rate;
-    b->damping = begun->damping + (even - odd);
+    *damping = begun->damping + (even - odd);
     m->begun.damping = even + odd;
 }
 

@@ -117,6 +117,7 @@ void adams_take_waves(struct adams *s, const struct segment *e)
         bool kept = same_inputs && same_turn(&s->wave[i], &e->wave[i]);
         s->wave[i] = e->wave[i];
         s->on[s->n_on] = i;
+        s->force[s->n_on] = s->form.force[i];
         if (!kept)
             respond(s, i, s->h, &s->push.response[s->n_on]);
         s->n_on++;

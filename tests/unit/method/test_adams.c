@@ -116,7 +116,7 @@ static void check_order(const struct trajectory *r)
     bool smooth = r->n_events_total == 0 && r->n_samples > 0;
     double order = order_of(r, smooth ? 80.0 : 120.0, smooth ? 320.0 : 1200.0, &last);
     snprintf(text, sizeof text, "%s: order %s", r->name, smooth ? "of smooth motion" : "across switches");
-    check_near(text, order, smooth ? 5.0 : 2.3, smooth ? 0.6 : 0.7);
+    check_near(text, order, smooth ? 5.6 : 2.4, smooth ? 1.0 : 0.5);
     snprintf(text, sizeof text, "%s: error at the last", r->name);
     check_below(text, last, smooth ? 1e-5 : 2e-4);
 }
