@@ -8,6 +8,7 @@
 #include "host_sim/live/lockstep.h"
 #include "host_sim/live/run_outcome.h"
 #include "host_sim/plants/plants.h"
+#include "host_sim/run/neighbours.h"
 #include "host_sim/run/run_report.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
@@ -104,6 +105,7 @@ struct run {
     struct spread lateness, compute;
     uint64_t missed, half_late; /* frames that never began on time; frames later than half a period */
     double period_s;
+    bool warned; /* others use a plant's identifiers */
 };
 
 static void spread_add(struct spread *s, int64_t ns)
@@ -211,6 +213,7 @@ static void one_frame(struct run *s, int64_t late_ns)
         if (late_ns >= 0)
             note_lateness(s, &one->scene.app, late_ns + (i ? clock_now_ns() - begin : 0));
         plants_frame(one);
+        s->warned = s->warned || neighbours_warn(&one->scene.app);
     }
     plants_flush(&s->plants);
     spread_add(&s->compute, clock_now_ns() - begin);

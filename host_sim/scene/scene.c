@@ -24,8 +24,9 @@ const struct option scene_options[] = {
     {"substeps", "N", "steps of the method per frame (64)", OPTION_INTEGER, 1.0, 4096.0, .initial = "64"},
     {"dilation", "D", "bus seconds per second of the real rig (1): D > 1 runs it in slow motion",
      OPTION_NUMBER, 1e-6, 1e6, .initial = "1"},
-    {"base-id", "ID", "first of the plant's 64 CAN identifiers, a multiple of 0x40 (0x200)", OPTION_INTEGER,
-     0.0, 536870848.0, .initial = "0x200"},
+    {"base-id", "ID",
+     "first of the plant's 64 CAN identifiers, a multiple of 0x40 (0x200; beside CANopen 0x680)",
+     OPTION_INTEGER, 0.0, 536870848.0, .initial = "0x200"},
     {.name = "extended", .meaning = "29-bit identifiers; allows a --base-id above 0x7C0"},
     {.name = NULL},
 };

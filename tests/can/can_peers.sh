@@ -69,6 +69,10 @@ for i in 1 2; do
     ip link set vcan2 up
     frames_pass
 done
+# CAN FD frames of all lengths beside it, and then two classic ones under its identifiers.
+cangen vcan2 -f -g 1 -n 400
+said fd
+for frame in 210#0011223344556677 201#01; do cansend vcan2 $frame; done
 send c.read vcan2 read preload_N
 c_status c.faulty
 send c.reset vcan2 pause + reset + start

@@ -6,6 +6,7 @@ import io
 import os
 import re
 import shutil
+import socket
 import struct
 import subprocess
 import sys
@@ -255,6 +256,31 @@ def test_replay(own):
     return lines
 
 
+def test_neighbours():
+    """Frames of others under a plant's identifiers, in packets of cannelloni: told once, with what they are."""
+    print("--- neighbours on a bus", flush=True)
+    telemetry = bytes([0x10]) + bytes(6)
+    crc = 0
+    for byte in b"\x16\x02" + telemetry:
+        crc = CRC[crc ^ byte]
+    for name, frames, wanted in (("another plant", [(0x216, bytes([crc]) + telemetry)], (True, False, False)),
+                                 ("a PDO of CANopen", [(0x201, b"\1\2\3"), (0x202, bytes(8))], (False, True, True)),
+                                 ("beside its identifiers", [(0x181, bytes(8)), (0x241, bytes(8)), (0x5FF, b"")], None)):
+        port = free_ports(2, 33000)
+        plant = start(program, "run", "--bus", "udp:%d" % port, "--peer", "127.0.0.1:%d" % (port + 1), "--duration", "1")
+        packet = struct.pack(">BBBH", 2, 0, 0, len(frames)) + b"".join(struct.pack(">IB", i, len(d)) + d for i, d in frames)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+            s.bind(("127.0.0.1", port + 1))
+            s.recv(2048)  # it runs
+            for _ in range(5):
+                s.sendto(packet, ("127.0.0.1", port))
+        end(plant)
+        equal(name + ": lines", (plant.returncode, plant.err.count("others use identifiers of this plant, 0x200 to 0x23F")), (0, 1 if wanted else 0))
+        if wanted:
+            kinds = re.findall(r": (\d+) frames that only a plant sends, (\d+) with a wrong length, (\d+) with", plant.err)[0]
+            equal("  their kinds", tuple(k != "0" for k in kinds), wanted)
+
+
 def test_tools(own, lines):
     print("--- the tools of others", flush=True)
     frames = [x.split(" ")[2] for x in lines if identifier(x) < 0x800]
@@ -289,6 +315,7 @@ try:
     ours = test_replay("run.log")
     test_identity(log, "run.log")
     test_tools("run.log", ours)
+    test_neighbours()
 finally:
     end_all()
     os.chdir("/")
