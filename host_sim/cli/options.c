@@ -73,17 +73,6 @@ bool options_read_number(const char *text, double *value)
     return true;
 }
 
-bool options_read_setting(const char *text, char *name, size_t size, double *value)
-{
-    const char *equal = strchr(text, '=');
-    size_t length = equal ? (size_t)(equal - text) : 0;
-    if (!length || length >= size)
-        return false;
-    memcpy(name, text, length);
-    name[length] = 0;
-    return options_read_number(equal + 1, value);
-}
-
 static const struct option *find(const struct usage *u, const char *name, size_t length)
 {
     for (int t = 0; t < OPTIONS_TABLES && u->table[t]; t++)

@@ -103,9 +103,6 @@ int options_count(const struct options *o, const char *name);
 /* A finite decimal (or 0x.. integer) number without anything behind it. */
 bool options_read_number(const char *text, double *value);
 
-/* Splits NAME=VALUE: false when there is no '=' or the value is no number. name has room for `size`. */
-bool options_read_setting(const char *text, char *name, size_t size, double *value);
-
 /* Whether these files (NULL behind the last) may be written into the folder of an option, which need not be
  * there yet: none is an input or another output. 0, or the exit status after a line. */
 int options_check_folder(const struct options *o, const char *name, const char *const *file);

@@ -5,11 +5,15 @@
 
 enum { OVERTAKEN = 256 }; /* frames that a late SYNC may be behind the newest one */
 
+uint64_t listen_nearest(uint64_t last, double low, int bits)
+{
+    uint64_t mask = (UINT64_C(1) << bits) - 1, up = ((uint64_t)low - last) & mask, down = mask + 1 - up;
+    return up > mask / 2 && last >= down ? last - down : last + up;
+}
+
 uint64_t listen_extend(uint64_t last, const struct message *m, int field)
 {
-    uint64_t mask = (UINT64_C(1) << wire_layout(m->kind)->field[field].bits) - 1;
-    uint64_t up = ((uint64_t)m->value[field] - last) & mask, down = mask + 1 - up;
-    return up > mask / 2 && last >= down ? last - down : last + up;
+    return listen_nearest(last, m->value[field], wire_layout(m->kind)->field[field].bits);
 }
 
 /* The frame that the plant is in at least: FRAME has 16 bits only, and in a silence more may pass. A tick of

@@ -8,8 +8,10 @@
 #include <stdint.h>
 #include "firmware/bus/wire.h"
 
-/* Frame or tick number `field` of this message: the 64-bit number that ends in its bits and is nearest to
- * `last`, but none below 0. */
+/* The 64-bit number that ends in these low bits and is nearest to `last`, but none below 0. */
+uint64_t listen_nearest(uint64_t last, double low, int bits);
+
+/* That number for a field of this message. */
 uint64_t listen_extend(uint64_t last, const struct message *m, int field);
 
 /* A SYNC: *frame and *tick of the one before become its own. True where plant time begins anew before it: the

@@ -273,7 +273,7 @@ static bool has_more(const struct client *c, const void *argument)
     return c->latest.count[m->kind] > m->count;
 }
 
-bool client_wait_message(struct client *c, unsigned kind, double seconds)
+static bool wait_message(struct client *c, unsigned kind, double seconds)
 {
     const struct more more = {kind, c->latest.count[kind]};
     return client_wait(c, has_more, &more, seconds);
@@ -281,7 +281,7 @@ bool client_wait_message(struct client *c, unsigned kind, double seconds)
 
 bool client_wait_alive(struct client *c, double seconds)
 {
-    return client_wait_message(c, WIRE_STATUS, seconds) && client_wait_message(c, WIRE_SYNC, seconds);
+    return wait_message(c, WIRE_STATUS, seconds) && wait_message(c, WIRE_SYNC, seconds);
 }
 
 static bool is_state(const struct client *c, const void *argument)

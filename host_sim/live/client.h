@@ -128,12 +128,10 @@ bool client_capture(struct client *c, enum capture_operation operation, uint32_t
 bool client_wait(struct client *c, bool (*condition)(const struct client *c, const void *argument),
                  const void *argument, double seconds);
 
-/* Waits for STATUS and SYNC, for a state, for plant time,
- * for the CONTACT of that tick, for one more message. */
+/* Waits for STATUS and SYNC, for a state, for plant time, for the CONTACT of that tick. */
 bool client_wait_alive(struct client *c, double seconds);
 bool client_wait_state(struct client *c, enum plant_state state, double seconds);
 bool client_wait_tick(struct client *c, uint64_t tick, double seconds);
 bool client_wait_contact(struct client *c, uint64_t tick, double seconds);
-bool client_wait_message(struct client *c, unsigned kind, double seconds);
 
 #endif

@@ -110,8 +110,9 @@ bool scene_words_no_name(const struct model *m, struct word name, const char *co
     return false;
 }
 
-bool scene_words_set(const struct model *m, int index, const struct scene_key *k, struct word name,
-                     struct word value, double *x, char *why)
+/* A parameter or setting that was found. */
+static bool read_value(const struct model *m, int index, const struct scene_key *k, struct word name,
+                       struct word value, double *x, char *why)
 {
     bool good = scene_text_is(name, k->full)
                     ? number_or_bare(k->full, value, k->unit, k->min, k->max, x, why)
@@ -123,7 +124,7 @@ int scene_words_read(const struct model *m, struct word name, struct word value,
 {
     struct scene_key k;
     int index = scene_words_find(m, name, &k);
-    bool good = index >= 0 ? scene_words_set(m, index, &k, name, value, x, why)
+    bool good = index >= 0 ? read_value(m, index, &k, name, value, x, why)
                            : scene_words_no_name(m, name, NULL, 0, why);
     return good ? index : -1;
 }

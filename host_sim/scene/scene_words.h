@@ -27,11 +27,7 @@ int scene_words_find(const struct model *m, struct word name, struct scene_key *
 bool scene_words_no_name(const struct model *m, struct word name, const char *const *key, int n_keys,
                          char *why);
 
-/* A parameter or setting that was found, checked against its table. */
-bool scene_words_set(const struct model *m, int index, const struct scene_key *k, struct word name,
-                     struct word value, double *x, char *why);
-
-/* Both for NAME and VALUE: the wire index, or -1. */
+/* A parameter or setting and its value, checked against its table: the wire index, or -1. */
 int scene_words_read(const struct model *m, struct word name, struct word value, double *x, char *why);
 
 /* A field of a drive of this input: its place in x[DRIVE_FIELDS], or -1. */

@@ -228,12 +228,13 @@ static void put_slots(const struct decoder *d, struct json *j)
 static void put_burst(const struct decoder *d, struct json *j)
 {
     const double *health = d->client.latest.health;
-    double tick = health[DIAG_CAPTURE_TICK]; /* its low 32 bits */
-    uint64_t near = isnan(tick) ? 0 : wire_nearest_32(d->client.latest.tick, tick);
+    double tick = health[DIAG_CAPTURE_TICK];
+    bool known = tick >= 0.0 && tick <= UINT32_MAX;
+    uint64_t near = known ? listen_nearest(d->client.latest.tick, tick, 32) : 0;
     struct named n;
     json_put(j, "'burst':%u,'sample_s':%t,'trigger_t':%t,'pretrigger':%n,'samples':%u,'signals':[",
              (uint64_t)d->bursts, setting(d, SET_CAPTURE_EVERY_TICKS) * d->scene.app.plant.tick_s,
-             isnan(tick) ? tick : (double)near * d->scene.app.plant.tick_s, health[DIAG_CAPTURE_PRETRIGGER],
+             known ? (double)near * d->scene.app.plant.tick_s : (double)NAN, health[DIAG_CAPTURE_PRETRIGGER],
              (uint64_t)setting(d, SET_CAPTURE_SAMPLES));
     for (unsigned i = 0; names_get(model_of(d), NAMES_OUTPUT, i, &n); i++)
         json_item(j, "{'signal':%u,'name':%s,'unit':%s}", (uint64_t)i, n.name, n.unit);

@@ -91,7 +91,4 @@ struct trial {
 /* The model whose parameters and settings these are; a microscope's signals are another's. */
 const struct model *trial_model(const struct trial *t);
 
-/* The parameter or setting with this index; NULL where there is none. */
-const struct parameter *trial_parameter(const struct trial *t, int index);
-
 #endif

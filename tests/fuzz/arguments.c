@@ -1,9 +1,12 @@
 /* arguments.c - the command line: options, numbers, units
  * and fault lists; taken or refused, never out of bounds. */
+#include "firmware/bus/settings.h"
 #include "hal/link/loopback.h"
-#include "host_sim/live/fault_list.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/live/action.h"
+#include "host_sim/live/fault_list.h"
+#include "models/hertz_rig.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>
@@ -24,10 +27,9 @@ static const struct usage usage = {
 /* The input's lines as arguments. */
 static void read_options(char *text)
 {
-    char *argv[ARGUMENTS] = {text}, name[40];
+    char *argv[ARGUMENTS] = {text};
     struct options o;
     int argc = 1, status = -1;
-    double value;
     for (char *at = strtok(text, "\n"); at && argc < ARGUMENTS; at = strtok(NULL, "\n"))
         argv[argc++] = at;
     if (!options_parse(&o, &usage, argc, argv, &status)) {
@@ -38,9 +40,21 @@ static void read_options(char *text)
     MUST(rate >= 1e-3 && rate <= 1e6);
     MUST(substeps >= 1.0 && substeps <= 4096.0 && substeps == floor(substeps));
     MUST(o.n_words >= 0 && o.n_words <= 3);
-    for (int i = 0; i < options_count(&o, "set"); i++)
-        if (options_read_setting(options_text(&o, "set", i), name, sizeof name, &value))
-            MUST(isfinite(value) && strlen(name) < sizeof name);
+}
+
+/* The words of every verb, for a plant. */
+static void read_actions(const char *text)
+{
+    static struct action a;
+    char why[SCENE_REASON];
+    for (int verb = 0; verb < ACTION_VERBS; verb++) {
+        bool good =
+            action_read(&hertz_rig, (enum action_verb)verb, (struct word){text, strlen(text)}, &a, why);
+        MUST(good == !*why && memchr(why, 0, sizeof why) && memchr(a.text, 0, sizeof a.text));
+        MUST(a.n >= 0 && a.n <= ACTION_SETS && a.input >= 0 && a.input < hertz_rig.n_inputs);
+        for (int i = 0; good && i < a.n; i++)
+            MUST(a.set[i].index < SETTING_FIRST + SETTINGS && isfinite(a.set[i].value));
+    }
 }
 
 static void read_values(const char *text)
@@ -73,6 +87,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!freopen("/dev/null", "w", stdout)) /* --help is long */
         return 0;
     read_values(text);
+    read_actions(text);
     read_options(text);
     return 0;
 }
