@@ -47,8 +47,6 @@ static void hear(void *context, const struct frame *f, const struct message *m)
     struct demo *d = context;
     (void)f;
     demo_record_take(&d->record, &d->client.latest, m);
-    if (m->kind == WIRE_REPLY && m->value[REPLY_MESSAGE] < WIRE_KINDS)
-        d->answer[(int)m->value[REPLY_MESSAGE]] = (int)m->value[REPLY_CAUSE];
 }
 
 static void note_time(struct demo *d)
@@ -183,11 +181,6 @@ static bool is_over(const struct demo *d)
     return d->t_s >= d->until_s;
 }
 
-static bool is_configured(const struct demo *d)
-{
-    return d->answer[WIRE_PARAM_COMMIT] >= 0;
-}
-
 static bool is_known(const struct demo *d)
 {
     return !isnan(d->record.tick_s) && !isnan(d->client.latest.info[INFO_F0_BUS_HZ]);
@@ -195,7 +188,7 @@ static bool is_known(const struct demo *d)
 
 static bool is_answered(const struct demo *d)
 {
-    return d->answer[WIRE_FIRE] >= 0;
+    return d->client.reply.came;
 }
 
 static bool has_lost_rows(const struct demo *d)
@@ -275,10 +268,11 @@ static bool configure(struct demo *d, const struct step *s)
         value[i] = want[i][1];
     }
     (void)s;
+    client_expect(&d->client, WIRE_PARAM_COMMIT);
     client_set(&d->client, N, index, value, COMMIT_NOW);
-    if (!await(d, is_configured, "no answer to the settings"))
+    if (!await(d, is_answered, "no answer to the settings"))
         return false;
-    return d->answer[WIRE_PARAM_COMMIT] == CAUSE_OK ||
+    return d->client.reply.cause == CAUSE_OK ||
            fail(d, DEMO_FAILED, "the plant refused the settings of the demonstration");
 }
 
@@ -331,13 +325,13 @@ static bool fire(struct demo *d, const struct step *s)
         double soon_s = (double)(d->plant_frame + FIRE_LEAD) * substeps * d->record.tick_s;
         struct demo_ramp fired = {0.0, amplitude, fmax(d->until_s, soon_s), s->ramp_s};
         fired.from = demo_ramp_at(ramp, fired.begin_s);
-        d->answer[WIRE_FIRE] = -1;
+        client_expect(&d->client, WIRE_FIRE);
         client_arm(&d->client, s->channel, amplitude, Hz, 0.0, s->ramp_s);
         client_fire(&d->client, 1u << s->channel, false, (uint64_t)llround(fired.begin_s / d->record.tick_s),
                     0.0);
         if (!turn_until(d, is_answered, 0.2))
             return false;
-        if (d->answer[WIRE_FIRE] == CAUSE_OK) {
+        if (is_answered(d) && d->client.reply.cause == CAUSE_OK) {
             *ramp = fired;
             return true;
         }
@@ -405,7 +399,6 @@ void demo_converse(struct demo *d)
 {
     d->client.heard = hear;
     d->client.heard_context = d;
-    memset(d->answer, -1, sizeof d->answer);
     for (int i = 0; i < (int)(sizeof script / sizeof script[0]) && d->end == DEMO_DONE; i++) {
         const struct step *s = &script[i];
         d->record.phase = s->phase;

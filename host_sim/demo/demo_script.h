@@ -18,7 +18,6 @@ struct demo {
     struct demo_record record;
     enum demo_end end;
     char why[DEMO_REASON];  /* the failure and its remedy */
-    int answer[WIRE_KINDS]; /* cause of the last REPLY to each command since it was sent, -1 for none yet */
     uint64_t n_syncs;       /* SYNC messages handled */
     double heard_s, turn_s; /* host time of the last one, and of the last turn */
     double stall_s;         /* the longest time this process was kept from running */

@@ -22,6 +22,18 @@ void client_begin(struct client *c, const struct hal *hal, const struct wire_sce
     c->waiter = waiter;
     c->scene = *scene;
     latest_begin(&c->latest);
+    c->reply.kind = WIRE_KINDS; /* none is expected */
+}
+
+static void take_reply(struct client *c, const struct message *m)
+{
+    struct client_reply *r = &c->reply;
+    unsigned n = WIRE_COUNTER_STATES, behind = ((unsigned)m->value[REPLY_COUNTER] + n - r->first_counter) % n;
+    bool expected = (unsigned)m->value[REPLY_MESSAGE] == r->kind && (uint8_t)m->value[SESSION] == c->session;
+    if (r->came || !expected || behind >= (c->counter[r->kind] + n - r->first_counter) % n)
+        return;
+    r->came = true;
+    r->cause = (enum cause)m->value[REPLY_CAUSE];
 }
 
 void client_take(struct client *c, const struct frame *f)
@@ -36,6 +48,8 @@ void client_take(struct client *c, const struct frame *f)
     }
     if (m.kind >= WIRE_COMMANDS)
         latest_take(&c->latest, c->scene.substeps, &m);
+    if (m.kind == WIRE_REPLY)
+        take_reply(c, &m);
     if (c->heard)
         c->heard(c->heard_context, f, &m);
 }
@@ -154,6 +168,11 @@ bool client_set(struct client *c, int n, const unsigned *index, const double *va
     }
     const double commit[] = {(double)staged_count(&set), (double)when, (double)staged_crc(&set)};
     return client_send(c, WIRE_PARAM_COMMIT, 3, commit) && sent;
+}
+
+void client_expect(struct client *c, unsigned kind)
+{
+    c->reply = (struct client_reply){.kind = kind, .first_counter = c->counter[kind]};
 }
 
 bool client_read(struct client *c, unsigned index)
@@ -312,6 +331,17 @@ static bool is_contact(const struct client *c, const void *argument)
 bool client_wait_contact(struct client *c, uint64_t tick, double seconds)
 {
     return client_wait(c, is_contact, &tick, seconds);
+}
+
+static bool has_reply(const struct client *c, const void *argument)
+{
+    (void)argument;
+    return c->reply.came;
+}
+
+bool client_wait_reply(struct client *c, double seconds)
+{
+    return client_wait(c, has_reply, NULL, seconds);
 }
 
 static bool is_ours(const struct client *c, const void *argument)

@@ -36,6 +36,13 @@ struct client_waiter {
     void (*rest)(void *context, double seconds); /* until something may have come, at most that long */
 };
 
+/* The first REPLY to a command that client_expect announced. */
+struct client_reply {
+    unsigned kind, first_counter;
+    bool came;
+    enum cause cause;
+};
+
 struct client {
     const struct hal *hal;
     const struct client_waiter *waiter;
@@ -47,6 +54,7 @@ struct client {
     bool unsaid;                    /* in lockstep: a command has not gone out yet */
     bool silent;                    /* in lockstep: the plant did not answer the last word, or has ended */
     struct latest latest;
+    struct client_reply reply;
     uint64_t bad;        /* frames with our identifiers that did not decode */
     uint64_t unsent;     /* commands that the hal had no room for */
     uint64_t bus_faults; /* hal_fault reports from recv */
@@ -119,6 +127,10 @@ bool client_stream(struct client *c, int channel, uint64_t frame, double value);
 /* Writes n parameters (wire indices) and commits them as one set. */
 bool client_set(struct client *c, int n, const unsigned *index, const double *value, enum commit_when when);
 
+/* From here on the first REPLY counts to a command of this kind that is sent from here on, up to 14 of them.
+ * An answer to an earlier command may still be on its way, and an earlier try be the one that was taken. */
+void client_expect(struct client *c, unsigned kind);
+
 bool client_read(struct client *c, unsigned index);
 bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count);
 
@@ -133,5 +145,8 @@ bool client_wait_alive(struct client *c, double seconds);
 bool client_wait_state(struct client *c, enum plant_state state, double seconds);
 bool client_wait_tick(struct client *c, uint64_t tick, double seconds);
 bool client_wait_contact(struct client *c, uint64_t tick, double seconds);
+
+/* Waits for the REPLY that is expected; true when it came. */
+bool client_wait_reply(struct client *c, double seconds);
 
 #endif

@@ -11,29 +11,19 @@ const struct model *send_model(const struct sender *s)
     return s->remote.scene.config.model;
 }
 
-/* Whether the REPLY is the first to a frame that send_expect announced. */
-static bool is_answer(const struct sender *s, const struct message *m)
-{
-    unsigned first = s->first_counter, n = WIRE_COUNTER_STATES;
-    unsigned sent = (s->remote.client.counter[s->kind] + n - first) % n;
-    return !s->answered && (unsigned)m->value[REPLY_MESSAGE] == s->kind &&
-           (uint8_t)m->value[SESSION] == s->remote.client.session &&
-           ((unsigned)m->value[REPLY_COUNTER] + n - first) % n < sent;
-}
-
 void send_take(void *context, const struct frame *f, const struct message *m)
 {
     struct sender *s = context;
     (void)f;
-    if (m->kind == WIRE_REPLY && is_answer(s, m)) {
-        unsigned cause = (unsigned)m->value[REPLY_CAUSE];
+    const struct client_reply *r = &s->remote.client.reply;
+    if (r->came && !s->answered) {
         struct named n = {"?", "", ""};
-        (void)names_get(send_model(s), NAMES_CAUSE, cause, &n);
+        (void)names_get(send_model(s), NAMES_CAUSE, (unsigned)r->cause, &n);
         s->answered = true;
-        s->refused = cause != CAUSE_OK;
+        s->refused = r->cause != CAUSE_OK;
         bool burst = s->burst && !s->refused; /* it is the answer */
-        if (s->kind != WIRE_ENABLE && !burst)
-            printf("%s: %s%s%s%s\n", names_kind(s->kind), s->refused ? "refused, " : "", n.name,
+        if (r->kind != WIRE_ENABLE && !burst)
+            printf("%s: %s%s%s%s\n", names_kind(r->kind), s->refused ? "refused, " : "", n.name,
                    s->refused ? ": " : "", s->refused ? n.meaning : "");
     }
     if (m->kind == WIRE_CAPTURE_DATA && s->burst) {
@@ -74,8 +64,7 @@ bool send_answer(struct sender *s)
 
 void send_expect(struct sender *s, unsigned kind)
 {
-    s->kind = kind;
-    s->first_counter = s->remote.client.counter[kind];
+    client_expect(&s->remote.client, kind);
     s->answered = false;
     s->refused = false;
 }

@@ -18,11 +18,9 @@ struct sender {
     const struct options *o;
     struct remote remote;
     double next_beat_s;
-    unsigned armed; /* inputs armed on this command line */
-    bool stopped;   /* its last command was stop: the session is over */
-    /* the answer that is waited for: to which kind, from which counter on; and what it said */
-    unsigned kind, first_counter;
-    bool answered, refused;
+    unsigned armed;         /* inputs armed on this command line */
+    bool stopped;           /* its last command was stop: the session is over */
+    bool answered, refused; /* the command that send_expect announced */
     /* burst being read */
     float *burst;
     uint32_t first, count;
@@ -33,8 +31,7 @@ const struct model *send_model(const struct sender *s);
 /* Takes each message that the client gets; `context` is the sender. */
 void send_take(void *context, const struct frame *f, const struct message *m);
 
-/* From here on the first answer to a frame of this kind counts that is sent from here on, up to 14 of them.
- * An answer to an earlier command may still be on its way, and an earlier try be the one that was taken. */
+/* As client_expect. */
 void send_expect(struct sender *s, unsigned kind);
 
 /* Waits for it, with heartbeats: true when it came. It is printed when it comes. */

@@ -166,7 +166,7 @@ static bool collect_burst(struct sender *s)
     do {
         seen = *count;
         double end = clock_now_s() + SEND_ANSWER_S;
-        s->answered = false;
+        send_expect(s, WIRE_CAPTURE); /* none is sent: no answer ends the wait */
         while (clock_now_s() < end && !clock_interrupted())
             (void)send_wait(s, SEND_LOOK_S);
     } while (*count != seen && !clock_interrupted());

@@ -122,22 +122,9 @@ static bool open_bus(struct device *d)
     return true;
 }
 
-static bool is_answered(const struct client *c, const void *argument)
-{
-    const struct device_wire *w = argument;
-    (void)c;
-    return w->answered;
-}
-
-static void expect_answer(struct device *d, unsigned kind)
-{
-    d->wire.kind = kind;
-    d->wire.answered = false;
-}
-
 static bool wait_answer(struct device *d)
 {
-    return client_wait(&d->client, is_answered, &d->wire, answer_s) && d->wire.cause == CAUSE_OK;
+    return client_wait_reply(&d->client, answer_s) && d->client.reply.cause == CAUSE_OK;
 }
 
 /* Every parameter and setting that the file names somewhere, as this case has it. */
@@ -171,7 +158,7 @@ static bool set_all(struct device *d, int n, const unsigned *index, const double
 {
     bool done = n == 0;
     for (int i = 0; i < TRIES && !done; i++) {
-        expect_answer(d, WIRE_PARAM_COMMIT);
+        client_expect(&d->client, WIRE_PARAM_COMMIT);
         client_set(&d->client, n, index, value, COMMIT_NOW);
         done = wait_answer(d);
         client_enable(&d->client, true);
@@ -227,7 +214,7 @@ static bool command(struct device *d, enum control_operation operation, enum pla
 {
     bool done = d->client.latest.state == state && operation == CONTROL_PAUSE;
     for (int i = 0; i < TRIES && !done; i++) {
-        expect_answer(d, WIRE_CONTROL);
+        client_expect(&d->client, WIRE_CONTROL);
         client_control(&d->client, operation, d->client.latest.frame);
         done = wait_answer(d) && client_wait_state(&d->client, state, answer_s);
         client_enable(&d->client, true);
@@ -314,7 +301,7 @@ static void send_act(struct device *d, const struct trial_act *a)
     unsigned index[ACTION_SETS];
     double value[ACTION_SETS], fraction = 0.0;
     c->session = c->latest.session;
-    expect_answer(d, WIRE_FIRE);
+    client_expect(&d->client, WIRE_FIRE);
     if (is_drive(a)) {
         action_fields(&a->what, field);
         client_arm_fields(c, a->what.input, field);
@@ -359,21 +346,21 @@ static bool act(struct device *d)
         send_act(d, a);
     if (!d->act_tries)
         return true;
-    if (d->wire.answered && d->wire.cause == CAUSE_OK) {
+    if (d->client.reply.came && d->client.reply.cause == CAUSE_OK) {
         d->next_act++;
         d->act_tries = 0;
         return true;
     }
-    if (!d->wire.answered && clock_now_s() < d->act_sent_s + answer_s)
+    if (!d->client.reply.came && clock_now_s() < d->act_sent_s + answer_s)
         return true;
-    bool lost = !d->wire.answered || d->wire.cause == CAUSE_INCOMPLETE; /* a frame of it */
+    bool lost = !d->client.reply.came || d->client.reply.cause == CAUSE_INCOMPLETE; /* a frame of it */
     if (lost && d->act_tries < TRIES) {
         send_act(d, a);
         return true;
     }
-    if (d->wire.answered)
+    if (d->client.reply.came)
         return controller_fail(d->r, "at %s s: the plant refused it: %s", when,
-                               names_text(d->plant.scene.config.model, NAMES_CAUSE, d->wire.cause));
+                               names_text(d->plant.scene.config.model, NAMES_CAUSE, d->client.reply.cause));
     return controller_fail(
         d->r, "at %s s: the plant did not answer; does the controller send commands of this kind, too?%s",
         when, "");
@@ -382,7 +369,7 @@ static bool act(struct device *d)
 static bool is_news(const struct client *c, const void *argument)
 {
     const struct device *d = argument;
-    return c->latest.count[WIRE_SYNC] > 0 && (d->wire.answered || c->latest.tick >= d->wire.zero);
+    return c->latest.count[WIRE_SYNC] > 0 && (d->client.reply.came || c->latest.tick >= d->wire.zero);
 }
 
 static const char *state_name(const struct device *d)

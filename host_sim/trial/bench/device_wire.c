@@ -220,10 +220,6 @@ void device_wire_take(void *context, const struct frame *f, const struct message
         w->not_sent += m->value[SUMMARY_NOT_SENT];
     if (m->kind == WIRE_LEDGER && (int)m->value[LEDGER_ITEM] == LEDGER_RESIDUAL)
         take_reading(w, METRIC_RESIDUAL, fabs(m->value[LEDGER_VALUE]));
-    if (m->kind == WIRE_REPLY && (unsigned)m->value[REPLY_MESSAGE] == w->kind && !w->answered) {
-        w->answered = true;
-        w->cause = (enum cause)m->value[REPLY_CAUSE];
-    }
     uint64_t events_missing = w->rows.counter[WIRE_EVENT_TIME].missing;
     if (decode_take(&w->rows, m, &row))
         take_row(w, &row);

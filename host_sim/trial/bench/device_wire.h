@@ -22,10 +22,6 @@ struct device_wire {
     uint64_t until;                 /* the bus frame until which they are waited for */
     double not_sent;                /* contact switches that did not come */
     char not_heard[BENCH_TEXT];
-    /* the answer to the last command of this kind, of the client's session */
-    unsigned kind;
-    bool answered;
-    enum cause cause;
 };
 
 /* Takes each message that the client hears; `context` is the struct device_wire. */

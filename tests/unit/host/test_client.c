@@ -173,6 +173,46 @@ TEST(client_status_overtaken)
     check_int("its frame", (int64_t)client.latest.frame, 0);
 }
 
+static void hear_reply(unsigned session, unsigned message, unsigned counter, enum cause cause)
+{
+    struct message m = {.kind = WIRE_REPLY, .value = {[SESSION] = session}};
+    struct frame f;
+    m.value[REPLY_MESSAGE] = message;
+    m.value[REPLY_COUNTER] = counter;
+    m.value[REPLY_CAUSE] = cause;
+    wire_encode(&bus.scene, &m, &f);
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+}
+
+/* The one reply that counts is the first to this client's own command. */
+TEST(client_reply)
+{
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    client_init(&client, &bus.wires.port[BUS_CONTROLLER].hal, &bus.scene);
+    client.session = 3;
+    unsigned before = client.counter[WIRE_CAPTURE];
+    client_capture(&client, CAPTURE_ARM, 0, 0);
+    client_expect(&client, WIRE_CAPTURE);
+    unsigned first = client.counter[WIRE_CAPTURE];
+    hear_reply(3, WIRE_CAPTURE, first, CAUSE_OK);
+    check_true("nothing was sent yet", !client.reply.came);
+    client_capture(&client, CAPTURE_TRIGGER, 0, 0);
+    client_capture(&client, CAPTURE_TRIGGER, 0, 0);
+    hear_reply(3, WIRE_CAPTURE, before, CAUSE_OK);
+    check_true("to a command of before", !client.reply.came);
+    hear_reply(3, WIRE_FIRE, first, CAUSE_OK);
+    check_true("to another kind", !client.reply.came);
+    hear_reply(4, WIRE_CAPTURE, first, CAUSE_OK);
+    check_true("of another session", !client.reply.came);
+    hear_reply(3, WIRE_CAPTURE, first + 1, CAUSE_RANGE);
+    check_true("to the second try", client.reply.came);
+    check_int("  its cause", client.reply.cause, CAUSE_RANGE);
+    hear_reply(3, WIRE_CAPTURE, first, CAUSE_OK);
+    check_int("the first one counts", client.reply.cause, CAUSE_RANGE);
+}
+
 /* ---- lockstep ---- */
 
 static struct {
