@@ -5,7 +5,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/afm/afm_plant.h"
 #include "firmware/app/plant_scene.h"
 #include "host_sim/out/utf8.h"
 #include "host_sim/scene/plant_of_scene.h"
@@ -192,8 +191,8 @@ static const char *start_alone(struct scene_app *s)
     const struct app_config *c = &s->config;
     struct plant_config alone = plant_config_of_scene(&s->scene, s->si, c->scratch);
     double setting[SETTINGS];
-    if (scene_is_microscope(c->model))
-        return "a microscope alone is opened by contactplant_afm_open, or on a bus";
+    if (scene_kind(c->model)->library)
+        return scene_kind(c->model)->library;
     for (int i = 0; i < SCENE_STAGES; i++)
         if (s->scene.stage[i][STAGE_AT] > MODEL_INPUTS)
             return "it has a sensor, whose reading is on the bus alone: leave its [stage] out, or open the "
@@ -241,12 +240,8 @@ int library_open(struct contactplant *p, const char *scene, bool on_bus, size_t 
     p->on_bus = on_bus;
     p->hal = (struct hal){p, ring_receive, ring_send, hal_nothing, hal_now_us, hal_nothing};
     p->scene.config.scratch = p->scratch;
-    p->scene.config.stages = &p->stages;
-    p->scene.config.stage_calls = &stages_for_plants;
-    if (scene_is_microscope(p->scene.scene.model)) { /* it is its own stages */
-        p->scene.config.stages = (struct stages *)(void *)p->scratch;
-        p->scene.config.stage_calls = &afm_plant_calls;
-    }
+    p->scene.config.stages = scene_stages(scene_kind(p->scene.scene.model), &p->stages, p->scratch);
+    p->scene.config.stage_calls = scene_kind(p->scene.scene.model)->stage_calls;
     if (on_bus)
         provide_capture(p, size - sizeof *p);
     int code = library_start(p, e);

@@ -7,7 +7,6 @@
 
 #include <stddef.h>
 #include <string.h>
-#include "firmware/afm/afm_plant.h"
 
 struct header {
     uint64_t magic;
@@ -131,8 +130,8 @@ int contactplant_save(struct contactplant *p, void *bytes, size_t size)
                             "give contactplant_save_size: %zu bytes, not %zu", bytes_of(p), bytes ? size : 0);
     struct header h = header_of(p);
     list_parts(p, part);
-    if (scene_is_microscope(p->scene.config.model))
-        afm_plant_forget_pointers(p->scratch);
+    if (scene_kind(p->scene.config.model)->keep)
+        scene_kind(p->scene.config.model)->keep(p->scratch);
     at += sizeof h;
     for (int i = 0; part[i].at; at += part[i++].n)
         memcpy(at, part[i].at, part[i].n);

@@ -1,7 +1,6 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_words.h"
-#include "firmware/afm/afm_plant.h"
 #include "models/models.h"
 
 #include <stdio.h>
@@ -63,12 +62,8 @@ static bool provide(struct scene_app *s)
     s->config.scratch = s->scratch;
     s->config.grow_capture = grow_capture;
     s->config.capture_owner = s;
-    s->config.stages = s->stages;
-    s->config.stage_calls = &stages_for_plants;
-    if (scene_is_microscope(s->config.model)) { /* it is its own stages */
-        s->config.stages = (struct stages *)(void *)s->scratch;
-        s->config.stage_calls = &afm_plant_calls;
-    }
+    s->config.stages = scene_stages(scene_kind(s->config.model), s->stages, s->scratch);
+    s->config.stage_calls = scene_kind(s->config.model)->stage_calls;
     return s->scratch && s->stages;
 }
 
@@ -135,9 +130,9 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         c->dilation = options_number(o, "dilation");
     c->base_id = (uint32_t)options_number(o, "base-id");
     c->extended = options_given(o, "extended");
-    if (!c->method && scene_is_microscope(c->model))
-        snprintf(why, SCENE_REASON, "--method %s: a microscope has a method of its own; leave it out",
-                 method);
+    if (!c->method && scene_kind(c->model)->method)
+        snprintf(why, SCENE_REASON, "--method %s: a %s has a method of its own; leave it out", method,
+                 c->model->name);
     else if (!c->method)
         scene_method_refuse(method, why);
     else if (c->base_id % WIRE_BASE_ALIGN)

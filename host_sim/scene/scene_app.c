@@ -1,6 +1,5 @@
 /* scene_app.c - see scene_app.h. */
 #include "host_sim/scene/scene_app.h"
-#include "firmware/afm/afm_plant.h"
 #include "firmware/app/plant_scene.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
@@ -53,8 +52,8 @@ bool scene_stage_settings(const struct scene *s, double setting[SETTINGS])
 const char *scene_refuses_stages(const struct scene *s)
 {
     double setting[SETTINGS];
-    if (scene_is_microscope(s->model))
-        return "it is a microscope, which works in run and test, and in programs that speak with those";
+    if (scene_kind(s->model)->without_bus)
+        return scene_kind(s->model)->without_bus;
     return scene_stage_settings(s, setting)
                ? "it has a [stage], which works in run, simulate, test, scan and "
                  "thermal; leave it out here"
@@ -65,8 +64,8 @@ void scene_app_default_settings(struct scene_app *s)
 {
     for (int i = 0; i < SETTINGS; i++)
         s->setting[i] = setting_initial(i, s->config.model, s->config.frame_s);
-    if (scene_is_microscope(s->config.model))
-        afm_plant_settings(s->setting);
+    if (scene_kind(s->config.model)->settings)
+        scene_kind(s->config.model)->settings(s->setting);
     for (int i = 0; i < SCENE_STAGES; i++)
         for (int k = 0; k < STAGE_SETTINGS && s->scene.stage[i][STAGE_AT] > 0.0; k++)
             s->setting[SET_STAGE + STAGE_SETTINGS * i + k] = s->scene.stage[i][k];

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/afm/afm_plant.h"
 #include "firmware/plant/plant.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/scene/scene_keys.h"
@@ -42,8 +41,8 @@ static const void *check_plant(const struct scene *s, const double *si, char *wh
     const char *reason = plant_check(s->model, si, &which);
     if (!reason)
         return NULL;
-    if (which < 0 && scene_is_microscope(s->model))
-        reason = afm_plant_check(si, &which);
+    if (which < 0 && scene_kind(s->model)->check)
+        reason = scene_kind(s->model)->check(si, &which);
     snprintf(why, SCENE_CHECK_REASON, "%s%s%s", which >= 0 ? s->model->parameter[which].name : "",
              which >= 0 ? ": " : "", reason);
     return which >= 0 && !s->paper ? (const void *)&s->value[which] : (const void *)&s->model;
@@ -97,8 +96,8 @@ static const void *check_start(const struct scene *s, const double *si, const st
                                char *why)
 {
     double x[MODEL_STATES], size = 0.0;
-    if (s->started && scene_is_microscope(s->model)) {
-        snprintf(why, SCENE_CHECK_REASON, "a microscope begins at rest; leave [start] out");
+    if (s->started && scene_kind(s->model)->from_rest) {
+        snprintf(why, SCENE_CHECK_REASON, "a %s begins at rest; leave [start] out", s->model->name);
         return &s->start[0];
     }
     scenes_begin(s, si, drive, x);

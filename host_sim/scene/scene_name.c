@@ -6,6 +6,7 @@
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
 #include "firmware/bus/settings.h"
+#include "firmware/stage/stages.h"
 #include "host_sim/cli/options.h"
 #include "models/models.h"
 
@@ -16,6 +17,38 @@ const struct model *scene_model(int i)
     return i < MODELS ? model_table[i] : i == MODELS ? &afm_plant : NULL;
 }
 
+static void microscope_scene(struct scene *s)
+{
+    s->method = afm_plant_method.name;
+    s->substeps = 1120; /* 16 samples in a period of 70 kHz */
+    s->observable = AFM_PLANT_HEIGHT;
+    s->over = 1.0;
+}
+
+static const struct scene_kind plants = {.stage_calls = &stages_for_plants};
+static const struct scene_kind microscope = {
+    .method = &afm_plant_method,
+    .stage_calls = &afm_plant_calls,
+    .holds_stages = true,
+    .from_rest = true,
+    .check = afm_plant_check,
+    .scene = microscope_scene,
+    .settings = afm_plant_settings,
+    .keep = afm_plant_forget_pointers,
+    .without_bus = "it is a microscope, which works in run and test, and in programs that speak with those",
+    .library = "a microscope alone is opened by contactplant_afm_open, or on a bus",
+};
+
+const struct scene_kind *scene_kind(const struct model *m)
+{
+    return scene_is_microscope(m) ? &microscope : &plants;
+}
+
+struct stages *scene_stages(const struct scene_kind *k, struct stages *own, double *scratch)
+{
+    return k->holds_stages ? (struct stages *)(void *)scratch : own;
+}
+
 bool scene_is_microscope(const struct model *m)
 {
     return !m->rhs;
@@ -24,27 +57,25 @@ bool scene_is_microscope(const struct model *m)
 void scene_subject(const struct model *m, const double *si, char *text)
 {
     int which = -1;
-    bool refuses = scene_is_microscope(m) && afm_plant_check(si, &which) != NULL;
+    const struct scene_kind *k = scene_kind(m);
+    bool refuses = k->check && k->check(si, &which) != NULL;
     snprintf(text, SCENE_SUBJECT, "%s%s", refuses && which >= 0 ? m->parameter[which].name : "",
              refuses && which >= 0 ? " " : "");
 }
 
 const struct method *scene_find_method(const struct model *m, const char *name)
 {
-    if (!scene_is_microscope(m))
+    const struct method *own = scene_kind(m)->method;
+    if (!own)
         return method_find(name);
-    return !strcmp(name, afm_plant_method.name) || !strcmp(name, auto_method.name) ? &afm_plant_method : NULL;
+    return !strcmp(name, own->name) || !strcmp(name, auto_method.name) ? own : NULL;
 }
 
 void scene_default(struct scene *s, int i)
 {
     scenes_default(s, scene_model(i));
-    if (!scene_is_microscope(s->model))
-        return;
-    s->method = afm_plant_method.name;
-    s->substeps = 1120; /* 16 samples in a period of 70 kHz */
-    s->observable = AFM_PLANT_HEIGHT;
-    s->over = 1.0;
+    if (scene_kind(s->model)->scene)
+        scene_kind(s->model)->scene(s);
 }
 
 /* The stages of a lever's scene stand before z and behind deflection, those of a microscope before z and

@@ -16,6 +16,24 @@ enum { SCENE_REASON = SCENE_FILE_REASON };
 enum { SCENE_MODELS = MODELS + 1 };
 const struct model *scene_model(int i);
 
+/* A plant of this model has these beside its equations. */
+struct scene_kind {
+    const struct method *method; /* the one that runs it; NULL: any that takes it */
+    const struct plant_stage_calls *stage_calls;
+    bool holds_stages; /* its scratch memory is that of its stages, too */
+    bool from_rest;    /* a scene has no other start */
+    /* Names the parameter that it refuses; NULL: the tables do. */
+    const char *(*check)(const double *si, int *which);
+    void (*scene)(struct scene *s); /* defaults of its scenes and settings; NULL: none of its own */
+    void (*settings)(double *setting);
+    void (*keep)(double *scratch);     /* before its scratch memory is kept as bytes; NULL: nothing to do */
+    const char *without_bus, *library; /* NULL, or why it does not run alone: for a command, for a program */
+};
+const struct scene_kind *scene_kind(const struct model *m);
+
+/* The memory of its stages: `own`, or a part of its scratch memory. */
+struct stages *scene_stages(const struct scene_kind *k, struct stages *own, double *scratch);
+
 /* True for the microscope. */
 bool scene_is_microscope(const struct model *m);
 

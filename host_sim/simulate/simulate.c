@@ -480,8 +480,8 @@ static int find_scene(struct simulation *r)
                        : scene_load)(r->o->n_words ? r->o->word[0] : model_table[0]->name, &r->scene, why);
     if (r->origin == SCENE_OF_NOTHING)
         return options_misuse(r->o->usage, "%s", why);
-    if (scene_is_microscope(r->scene.model))
-        return options_misuse(r->o->usage, "%s", scene_refuses_stages(&r->scene));
+    if (scene_kind(r->scene.model)->without_bus)
+        return options_misuse(r->o->usage, "%s", scene_kind(r->scene.model)->without_bus);
     bool bare = r->origin == SCENE_OF_MODEL;
     r->model = r->scene.model;
     r->dilation = bare ? 1.0 : r->scene.dilation;
