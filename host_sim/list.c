@@ -1,5 +1,6 @@
 /* list.c - everything that has a name, from the tables that the plant itself uses; and the .dbc of a
  * scene. */
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "firmware/afm/codes.h"
 #include "firmware/afm/station.h"

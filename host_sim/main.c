@@ -1,4 +1,6 @@
 /* main.c - contactplant SUBCOMMAND: picks the subcommand. */
+#include "host_sim/cli/options_help.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"

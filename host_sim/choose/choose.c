@@ -1,7 +1,13 @@
 /* choose.c - contactplant choose: the certificate of a scene. */
 #include "host_sim/choose/choose.h"
 #include "firmware/plant/drive.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_json.h"
+#include "host_sim/choose/choose_print.h"
+#include "host_sim/choose/choose_search.h"
+#include "host_sim/choose/choose_tell.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/choose/choose_html.h"

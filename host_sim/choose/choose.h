@@ -43,8 +43,6 @@ struct choose_sweep {
     struct range Hz; /* real plant; either end may be the higher one */
 };
 
-/* ---- choose_ladder.c ---- */
-
 /* A scene's parameters and drives in SI, and what its model makes of them. */
 struct choose_prepared {
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
@@ -74,18 +72,6 @@ struct choose_candidate {
     enum choose_kind kind;
 };
 
-/* The candidates of a scene, cheapest first, its own model last. Returns how many. */
-int choose_ladder(const struct scene *s, struct choose_candidate candidate[CHOOSE_CANDIDATES]);
-
-/* Has this model reduced models that keep one mode of it? */
-bool choose_ladder_modal(const struct model *m);
-
-/* Share of mode k = 0..2 of the open shaft in a motion x[3]: its amplitude at the bearing that moves more.
- * shape: shaft_open_modes(p). */
-void choose_ladder_modes(const double *p, double shape[3][3], const double *x, double q[3]);
-
-/* ---- choose_run.c ---- */
-
 /* The result of a run. Values are SI of the bus. */
 struct choose_record {
     int n, wanted, looks, n_values; /* frames reached, and asked for; looks a frame, and all of them */
@@ -107,42 +93,12 @@ struct choose_record {
 enum { STATISTIC_MEAN, STATISTIC_RMS, STATISTIC_PEAK, STATISTIC_LOSS, STATISTICS };
 extern const char *const choose_statistic_name[STATISTICS];
 
-/* Looks at the observable in a frame. A lever's contacts are short: it has 24 looks a period. */
-int choose_looks(const struct scene *s);
-
-/* Frames in the time asked. */
-double choose_frames(const struct scene *s);
-
 /* A run that one beside it is compared with while it goes: it ends where a value differs by more than `most`.
  */
 struct choose_beside {
     const struct choose_record *record;
     double most; /* SI of the bus */
 };
-
-/* Runs a scene from its start, the first state moved by `nudge` model units. NULL, or why it cannot be
- * run; then as after any run choose_record_free. */
-const char *choose_run(const struct scene *s, const struct choose_sweep *w, double nudge,
-                       struct choose_record *r);
-/* A run from its start that ends early (is_apart) where it parts from the run beside it. */
-const char *choose_run_beside(const struct scene *s, const struct choose_sweep *w,
-                              const struct choose_beside *beside, struct choose_record *r);
-void choose_record_free(struct choose_record *r);
-
-/* Peak-to-peak value plus 1e-6 of `unit`. */
-double choose_span(const struct choose_record *r, double unit);
-
-/* Largest difference over `span`; infinite when one of them did not go to the end. */
-double choose_difference(const struct choose_record *a, const struct choose_record *b, double span);
-
-/* The factor by which the largest difference so far grows in a spell: the worst spell of the second half
- * of the time, at least 1. Differences below `least`, over `span`, mean nothing. */
-double choose_growth(const struct choose_record *a, const struct choose_record *b, double span, double least);
-
-/* The statistics over `span` (the share of time as it is). */
-void choose_statistics(const struct choose_record *r, double span, double statistic[STATISTICS]);
-
-/* ---- choose_theory.c ---- */
 
 /* Facts that are known before anything is run. Amplitudes in model units of length, frequencies in rad per
  * model time. */
@@ -159,12 +115,6 @@ struct choose_facts {
 /* With a sweep (NULL: none) the facts are those of the hold that moves most. */
 void choose_facts_of(const struct choose_candidate *candidate, int n, const struct choose_sweep *w,
                      struct choose_facts *f);
-
-/* Largest difference of two force laws over compressions of rest +- amplitude, over the range of the
- * first. */
-double choose_mismatch(const struct scene *full, const struct scene *candidate, double amplitude);
-
-/* ---- choose_search.c ---- */
 
 /* A method on a candidate: its coarsest step that meets the tolerance, or why none does. */
 struct choose_trial {
@@ -227,31 +177,6 @@ struct choose_certificate {
     struct choose_condition condition[CHOOSE_CONDITIONS]; /* the watched one first, then the first to come */
 };
 
-/* The watch of a certificate, NULL where nothing is certified. The full model may refuse the climb that it
- * names. */
-const struct scene_watch *choose_watched(const struct choose_certificate *c);
-
-/* Fills the certificate from scene, sweep and machine. NULL, or why there can be none (STATUS_ESCAPED with
- * *escaped). After two seconds `progress` (or NULL) is told what is being done. */
-const char *choose_search(struct choose_certificate *c, FILE *progress, bool *escaped);
-
-/* Instructions of the steps of one frame on a machine, and bus seconds; 0: not known. */
-double choose_frame_cost(const struct choose_trial *t, int machine);
-double choose_time_s(const struct choose_trial *t, int method, int machine);
-
-/* ---- choose_tell.c ---- */
-
 enum { CHOOSE_WARNINGS = 32 };
-
-/* The facts of scenes_warning about the scene or, with a sweep, any of its holds, each once. Returns how
- * many. */
-int choose_warnings(const struct choose_certificate *c, const char *warning[CHOOSE_WARNINGS]);
-
-/* ---- choose_print.c, choose_json.c ---- */
-
-void choose_print(FILE *out, const struct choose_certificate *c);
-void choose_json(FILE *out, const struct choose_certificate *c);
-/* The chosen scene as a file to run. */
-void choose_write(FILE *out, const struct choose_certificate *c);
 
 #endif

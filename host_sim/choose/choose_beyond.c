@@ -1,7 +1,9 @@
-/* choose_beyond.c - how far a reduced model of the shaft is good when its drives grow; see choose_steps.h. */
+/* choose_beyond.c - see choose_beyond.h. */
 #include <math.h>
 
-#include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_beyond.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_truth.h"
 #include "models/shaft_views.h"
 
 enum { STEPS = 8 };

@@ -1,10 +1,12 @@
-/* choose_climb.c - a method on a model: its cost, and the coarsest step that keeps the tolerance; see
- * choose.h. */
+/* choose_climb.c - see choose_climb.h. */
 #include <math.h>
 
 #include "firmware/plant/drive.h"
 #include "firmware/bus/settings.h"
-#include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_tell.h"
+#include "host_sim/choose/choose_truth.h"
 #include "models/math/elementary.h"
 
 enum { ATTEMPTS = 24 /* runs of one method on one model */ };

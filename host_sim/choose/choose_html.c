@@ -1,5 +1,7 @@
 /* choose_html.c - see choose_html.h: sentences of the certificate, all candidates, and errors over costs. */
 #include "host_sim/choose/choose_html.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_print.h"
 #include "host_sim/report/html.h"
 #include "host_sim/report/html_scene.h"
 

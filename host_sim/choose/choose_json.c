@@ -1,7 +1,10 @@
-/* choose_json.c - the certificate as JSON (RFC 8259); a number that is not finite or not known is null. */
+/* choose_json.c - see choose_json.h. */
 #include <math.h>
 
-#include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_json.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_tell.h"
+#include "host_sim/choose/choose_watch.h"
 #include "host_sim/out/json.h"
 
 static double known(bool is_known, double value)

@@ -1,17 +1,9 @@
-/* choose_ladder.c - the reduced models of a model, and the same scene for each.
- *
- * The models of a family share the units of their states and the leading rows of their parameter tables,
- * in SI and in the paper's numbers. So a reduced model takes over the scene's values as they are. Its own
- * parameters stand behind them: the fast drive of an averaged model, the mode of the shaft's.
- *
- * A lever has fewer modes, or a sample that does not attract, or both. Two or three modes bring the spring of
- * the modes left out with them. One mode alone has no such spring: it takes the first mode's stiffness, as a
- * lever that swings has, and not the static one. */
+/* choose_ladder.c - see choose_ladder.h. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_ladder.h"
 #include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"

@@ -1,8 +1,10 @@
-/* choose_print.c - the certificate in sentences, and the chosen scene as a file. */
+/* choose_print.c - see choose_print.h. */
 #include <math.h>
 #include <string.h>
 
-#include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_print.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_watch.h"
 #include "host_sim/cli/paragraph.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_print.h"

@@ -1,8 +1,10 @@
-/* choose_refuse.c - refusals of a reduced model before any run of it, one row each: by linear theory, and
- * by what the truth has shown. */
+/* choose_refuse.c - see choose_refuse.h. */
 #include <math.h>
 
-#include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_refuse.h"
+#include "host_sim/choose/choose_tell.h"
+#include "host_sim/choose/choose_theory.h"
+#include "host_sim/choose/choose_truth.h"
 #include "models/math/elementary.h"
 #include "models/shaft_bearing.h"
 

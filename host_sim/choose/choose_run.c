@@ -1,10 +1,11 @@
-/* choose_run.c - runs of a scene and their differences; see choose.h. */
+/* choose_run.c - see choose_run.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "firmware/method/taylor/taylor_piece.h"
-#include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_ladder.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/scene/plant_of_scene.h"

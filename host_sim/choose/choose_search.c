@@ -1,7 +1,15 @@
-/* choose_search.c - from the truth over cheap tests and runs to the choice; see choose.h. */
+/* choose_search.c - see choose_search.h. */
+#include "host_sim/choose/choose_search.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_ladder.h"
+#include "host_sim/choose/choose_refuse.h"
+#include "host_sim/choose/choose_run.h"
 #include "host_sim/choose/choose_steps.h"
 
 #include <math.h>
+#include "host_sim/choose/choose_tell.h"
+#include "host_sim/choose/choose_truth.h"
+#include "host_sim/choose/choose_watch.h"
 #include "host_sim/cli/clock.h"
 #include "models/afm_lever.h"
 

@@ -1,6 +1,5 @@
-/* choose_tell.c - texts of a certificate, the progress that a long search shows, and warnings of a paper's
- * range. */
-#include "host_sim/choose/choose_steps.h"
+/* choose_tell.c - see choose_tell.h. */
+#include "host_sim/choose/choose_tell.h"
 
 #include <stdarg.h>
 #include "host_sim/cli/clock.h"

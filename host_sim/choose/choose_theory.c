@@ -1,10 +1,9 @@
-/* choose_theory.c - tests of a reduced model that run nothing: linear theory, force laws, Floquet
- * multipliers. */
+/* choose_theory.c - see choose_theory.h. */
 #include <complex.h>
 #include <math.h>
 #include <string.h>
 
-#include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_theory.h"
 #include "host_sim/maps/maps.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"

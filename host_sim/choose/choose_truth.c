@@ -1,8 +1,10 @@
-/* choose_truth.c - the reference runs that candidates are compared with; see choose.h. */
+/* choose_truth.c - see choose_truth.h. */
 #include <float.h>
 #include <math.h>
 
-#include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_truth.h"
+#include "host_sim/choose/choose_tell.h"
 #include "models/afm_lever.h"
 
 static const double far_apart =

@@ -1,20 +1,13 @@
-/* choose_watch.c - the conditions that void a certificate, one row each, and who sees each of them.
- *
- * A condition is a limit on an observable wherever one covers the danger. Other dangers leave no trace in
- * the reduced model, or concern motions that nobody has run. For these any change is watched, because the
- * certificate is for the scene's own motion.
- *
- * Errors are carried over by their leading power. The error of a force law cut off after order n grows
- * with amplitude^n relative to the motion. The error of rk4 grows with (h omega)^(5/2) where contact is
- * lost, else with its fourth power; that of modal with the square. Over time errors grow on exponentially, as
- * in the second half of the time asked. The rate is that of the choice, or that between neighbouring full
- * motions where these grow faster. How far a reduced shaft is good is found by runs (choose_beyond.c). */
+/* choose_watch.c - see choose_watch.h. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "firmware/plant/drive.h"
-#include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_beyond.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_watch.h"
+#include "host_sim/choose/choose_tell.h"
 #include "models/afm_lever.h"
 #include "models/math/elementary.h"
 #include "models/shaft_bearing.h"

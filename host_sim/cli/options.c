@@ -1,6 +1,8 @@
 /* options.c - see options.h. */
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/files.h"
+#include "host_sim/cli/options_help.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/out/plain.h"
 

@@ -81,13 +81,6 @@ struct options {
  * 2 after a mistake, which is on stderr. The strings stay argv's. */
 bool options_parse(struct options *o, const struct usage *u, int argc, char **argv, int *status);
 
-/* The help that this word asks for, on stdout: --help and -h for people, --help=man a section of the
- * manual page, --help=words the options' names for a shell. False for other words. */
-bool options_help(const struct usage *u, const char *word);
-
-/* Text of a manual page, with what troff would take for a request or a hyphen escaped. */
-void options_print_roff(const char *text);
-
 /* True when the option was on the command line. */
 bool options_given(const struct options *o, const char *name);
 
@@ -119,15 +112,7 @@ int options_close(const struct options *o, const char *name, FILE *f, const char
 /* The stream of a command's summary: standard output, or standard error where that has the rows of --out. */
 FILE *options_summary(const struct options *o);
 
-/* The nearest of n names to a mistyped one, whatever its capitals, or NULL when none is near. */
-const char *options_nearest(const char *text, const char *const *name, int n);
-
 enum { OPTIONS_ADVICE = 256 }; /* has room for most lists */
-
-/* The end of a line that refuses a name, into advice[size] (OPTIONS_ADVICE at least): `; did you mean X?`.
- * Where nothing is near: `; HINT`, or without one `; there are X, Y, ..`. Returns advice. */
-const char *options_advise(const char *text, size_t n_text, const char *const *name, int n, const char *hint,
-                           char *advice, size_t size);
 
 /* Standard output is a pipe that its reader has closed: nothing more is wanted, and that is no failure. */
 bool options_reader_left(void);

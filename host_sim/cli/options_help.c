@@ -1,6 +1,5 @@
-/* options_help.c - a table of options as help, as a section of the manual page and as words for a shell;
- * see options.h. */
-#include "host_sim/cli/options.h"
+/* options_help.c - see options_help.h. */
+#include "host_sim/cli/options_help.h"
 
 #include <stdio.h>
 #include <string.h>

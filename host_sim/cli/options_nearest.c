@@ -1,6 +1,5 @@
-/* options_nearest.c - the name that was meant; see options.h. It prints nothing, and the library uses it,
- * too. */
-#include "host_sim/cli/options.h"
+/* options_nearest.c - see options_nearest.h. */
+#include "host_sim/cli/options_nearest.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,4 +1,5 @@
 /* library_numbers.c - inputs, outputs, states, parameters and settings by name and index. */
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/library/library.h"
 
 #include <math.h>

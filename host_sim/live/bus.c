@@ -2,6 +2,7 @@
 #include "host_sim/live/bus.h"
 #include "host_sim/cli/files.h"
 
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/live/fault_list.h"
 
 #include <arpa/inet.h>

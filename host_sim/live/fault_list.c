@@ -2,6 +2,7 @@
 #include "host_sim/live/fault_list.h"
 
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* monitor.c - prints the plant's messages by name and unit, one line each. */
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/cli/names.h"

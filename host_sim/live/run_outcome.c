@@ -7,6 +7,7 @@
 #include "firmware/app/account.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/out/json.h"
 

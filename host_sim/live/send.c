@@ -1,5 +1,6 @@
 /* send.c - one command line, or a chain of them, from the shell to a plant, and its answers by name. */
 #include "host_sim/cli/clock.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/live/send_verbs.h"

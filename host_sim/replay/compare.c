@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/commands.h"
 #include "host_sim/replay/decode_log.h"

@@ -8,6 +8,7 @@
 #include "firmware/method/method.h"
 #include "firmware/stage/stage.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/scene/scene_lines.h"

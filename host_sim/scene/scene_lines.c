@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 
 bool scene_lines_wrong(struct reader *r, int line, const char *format, ...)
 {

@@ -8,6 +8,7 @@
 #include "firmware/bus/settings.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 #include "models/models.h"
 
 enum { NAME_SHOWN = 120 };

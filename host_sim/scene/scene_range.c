@@ -1,5 +1,6 @@
 /* scene_range.c - see scene_range.h. */
 #include "host_sim/scene/scene_range.h"
+#include "host_sim/cli/options_nearest.h"
 
 #include <string.h>
 

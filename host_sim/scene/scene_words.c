@@ -7,6 +7,7 @@
 #include "firmware/bus/wire.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/scene/scene_app.h"
 

@@ -12,6 +12,8 @@
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/simulate/simulate.h"
 #include "host_sim/out/cell.h"
+#include "host_sim/simulate/simulate_read.h"
+#include "host_sim/simulate/simulate_report.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
 

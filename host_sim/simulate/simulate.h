@@ -41,21 +41,4 @@ struct simulation {
     const struct plant *shown; /* the one at the row, or NULL: at the start */
 };
 
-/* Units, parameters, drives, initial state and times from r->o, for r->model. 0, or the exit status after
- * a line. */
-int simulate_read(struct simulation *r);
-
-/* The harmonic inputs at a time, model units. */
-void simulate_inputs(const struct simulation *r, double t, struct input *u);
-
-/* A line about `text` on stderr; the exit status. */
-int simulate_misuse(const struct simulation *r, const char *text, const char *reason);
-
-/* The report --report: opened before the run; a row with its columns, states and then the observable; an
- * event; written at the end. Without --report nothing is done. 0, or the exit status after a line. */
-int simulate_report_begin(struct simulation *r, int argc, char **argv);
-void simulate_report_row(struct simulation *r, double t, const double *value);
-void simulate_report_event(struct simulation *r, double t, const struct event *e);
-int simulate_report_end(struct simulation *r, int status);
-
 #endif

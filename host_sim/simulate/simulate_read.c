@@ -1,9 +1,10 @@
-/* simulate_read.c - the command line of contactplant simulate. */
+/* simulate_read.c - see simulate_read.h. */
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_range.h"
-#include "host_sim/simulate/simulate.h"
+#include "host_sim/simulate/simulate_read.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
-/* simulate_report.c - the report of contactplant simulate: what ran, and charts of its rows. */
+/* simulate_report.c - see simulate_report.h. */
 #include "host_sim/commands.h"
 #include "host_sim/report/decimate.h"
 #include "host_sim/report/html.h"
 #include "host_sim/report/html_scene.h"
-#include "host_sim/simulate/simulate.h"
+#include "host_sim/simulate/simulate_report.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 /* test.c - contactplant test: reads test files, runs their cases side by side, and reports. */
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/files.h"

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 
 #define TIME_MAX 1e6
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/settings.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/unit.h"

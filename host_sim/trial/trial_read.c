@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/trial/trial_at.h"
 #include "host_sim/trial/trial_expect.h"
 #include "host_sim/trial/trial_keys.h"

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "firmware/bus/settings.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_words.h"
 

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_ladder.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/afm_tip.h"
 #include "models/math/elementary.h"

@@ -10,7 +10,12 @@
 #include <string.h>
 
 #include "firmware/bus/settings.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_ladder.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_search.h"
 #include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_truth.h"
 #include "tests/choose/choose_draw.h"
 #include "tests/choose/choose_judge.h"
 

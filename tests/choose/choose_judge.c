@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "firmware/app/plant_scene.h"
+#include "host_sim/choose/choose_print.h"
+#include "host_sim/choose/choose_run.h"
 #include "host_sim/scene/scene_file.h"
 
 static const double fine_angle = 0.005, coarse_tolerance = 1e-4;

@@ -12,6 +12,9 @@
 
 #include "host_sim/choose/choose.h"
 #include "models/afm_lever.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_search.h"
 #include "host_sim/scene/scene_check.h"
 #include "tests/choose/choose_judge.h"
 #include "tests/choose/choose_out.h"

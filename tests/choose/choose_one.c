@@ -7,6 +7,8 @@
 
 #include "firmware/app/plant_scene.h"
 #include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_ladder.h"
+#include "host_sim/choose/choose_run.h"
 
 static struct plant plant;
 static double scratch[METHOD_SCRATCH];

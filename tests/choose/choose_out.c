@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "host_sim/choose/choose_print.h"
+#include "host_sim/choose/choose_run.h"
 #include "host_sim/commands.h"
 
 enum { LINE = 1024, PATH = 64 };

@@ -12,6 +12,9 @@
 #include <string.h>
 
 #include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_search.h"
+#include "host_sim/choose/choose_watch.h"
 #include "tests/choose/choose_draw.h"
 #include "tests/choose/choose_judge.h"
 #include "tests/choose/choose_out.h"

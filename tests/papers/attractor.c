@@ -8,6 +8,7 @@
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"
 #include "tests/papers/motion.h"
+#include "host_sim/maps/basin/basin_repeat.h"
 
 static const double radians_a_tick = 2.0; /* angle of the fastest eigenfrequency; the guard is at 2.1 */
 static const double repeat = 1e-7;        /* a state came back: relative to 1 + its size, model units */

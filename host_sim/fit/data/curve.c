@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/fit/data/curve_columns.h"
 #include "models/math/elementary.h"

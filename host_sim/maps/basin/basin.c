@@ -2,6 +2,9 @@
  * each. */
 #include "host_sim/maps/basin/basin.h"
 #include "host_sim/commands.h"
+#include "host_sim/maps/basin/basin_read.h"
+#include "host_sim/maps/basin/basin_report.h"
+#include "host_sim/maps/basin/basin_rows.h"
 
 #include <stdlib.h>
 #include <string.h>

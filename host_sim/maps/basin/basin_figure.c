@@ -1,6 +1,6 @@
-/* basin_figure.c - a basin map as a picture and a page: its attractors as a table, and a dot for each start,
- * coloured by the attractor that it reached. */
-#include "host_sim/maps/basin/basin.h"
+/* basin_figure.c - see basin_figure.h. */
+#include "host_sim/maps/basin/basin_figure.h"
+#include "host_sim/maps/basin/basin_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/maps/basin/basin_repeat.h"
 #include "host_sim/maps/basin/basin_settle.h"
 
 static const double small = 1e-6; /* distance of two neighbours, over 1 + size */

@@ -45,24 +45,12 @@ struct basin_motion {
     double end[MODEL_STATES]; /* at phase 0, on the attractor; without one the last state at phase 0 */
 };
 
-/* The largest component of a state of n numbers; the largest difference of two states. */
-double basin_size(const double *x, int n);
-double basin_distance(const double *a, const double *b, int n);
-
 /* Looks for a return of the state at phase 0, period after period. */
 struct basin_repeat {
     double reference[MODEL_STATES];
     double apart[BASIN_PERIODS + 1]; /* distance from the reference, so many periods after it */
     int since, period;               /* periods since the reference; 0: no return was seen */
 };
-
-void basin_repeat_start(struct basin_repeat *r, const double *x, int n);
-
-/* Takes the next state: the period once it has come back three times, else 0. */
-int basin_repeat_see(struct basin_repeat *r, const double *x, int n, double tolerance);
-
-/* Marks a motion without an attractor. */
-void basin_motion_fail(struct basin_motion *m, enum basin_status status);
 
 /* How far motions are followed. */
 struct basin_patience {

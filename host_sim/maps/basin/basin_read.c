@@ -1,7 +1,9 @@
-/* basin_read.c - the command line of contactplant basin: plant, method, steps and starts. */
-#include "host_sim/maps/basin/basin.h"
+/* basin_read.c - see basin_read.h. */
+#include "host_sim/cli/options_nearest.h"
+#include "host_sim/maps/basin/basin_read.h"
 #include "firmware/plant/drive.h"
 #include "host_sim/batch/batch_taylor.h"
+#include "host_sim/maps/basin/basin_rows.h"
 #include "models/models.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* basin_repeat.c - tells when a motion has come back to where it was. */
-#include "host_sim/maps/basin/basin_motion.h"
+/* basin_repeat.c - see basin_repeat.h. */
+#include "host_sim/maps/basin/basin_repeat.h"
 
 #include <math.h>
 #include <string.h>

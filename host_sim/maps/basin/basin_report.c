@@ -1,5 +1,7 @@
-/* basin_report.c - the rows of a basin map as a table of attractors, and what the figure is of. */
-#include "host_sim/maps/basin/basin.h"
+/* basin_report.c - see basin_report.h. */
+#include "host_sim/maps/basin/basin_report.h"
+#include "host_sim/maps/basin/basin_figure.h"
+#include "host_sim/maps/basin/basin_rows.h"
 
 #include <string.h>
 

@@ -1,6 +1,5 @@
-/* basin_rows.c - the columns of a basin map: the start, what became of it, its fingerprint, a state of the
- * attractor. */
-#include "host_sim/maps/basin/basin.h"
+/* basin_rows.c - see basin_rows.h. */
+#include "host_sim/maps/basin/basin_rows.h"
 
 #include <string.h>
 

@@ -3,6 +3,9 @@
 
 #include <stdlib.h>
 #include "host_sim/commands.h"
+#include "host_sim/maps/random/random_read.h"
+#include "host_sim/maps/random/random_realise.h"
+#include "host_sim/maps/random/random_report.h"
 
 static const struct option random_options[] = {
     {"seeds", "N", "realisations, each with seeds of its own (100)", OPTION_INTEGER, 2, RANDOM_SEEDS,

@@ -46,14 +46,4 @@ static inline double random_edge(const struct random_runs *r, int i)
 
 extern const struct usage random_usage;
 
-/* The command line into *r. 0, or the exit status after a line. */
-int random_read(struct random_runs *r);
-
-/* Computes realisation i over this time: row[random_columns]. NULL, or why the plant refuses. */
-const char *random_realise(const struct random_runs *r, int i, double over, double *row);
-
-/* Statistics of the rows: --statistics, the summary, --svg and --report. 0, or the exit status after a
- * line. */
-int random_report(const struct random_runs *r);
-
 #endif

@@ -1,11 +1,12 @@
-/* random_read.c - the command line of contactplant random: times, range, bins, and the columns of its
- * rows. */
-#include "host_sim/maps/random/random.h"
+/* random_read.c - see random_read.h. */
+#include "host_sim/cli/options_nearest.h"
+#include "host_sim/maps/random/random_read.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/maps/random/random_realise.h"
 #include "host_sim/scene/scene_check.h"
 
 #define misuse(r, ...) options_misuse((r)->m.o.usage, __VA_ARGS__)

@@ -1,5 +1,5 @@
-/* random_realise.c - one realisation of a scene under noise: runs a plant and fills its row. */
-#include "host_sim/maps/random/random.h"
+/* random_realise.c - see random_realise.h. */
+#include "host_sim/maps/random/random_realise.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* random_report.c - statistics over all realisations beside the closed form: a CSV, a summary, a figure. */
-#include "host_sim/maps/random/random.h"
+/* random_report.c - see random_report.h. */
+#include "host_sim/maps/random/random_report.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/out/cell.h"
 

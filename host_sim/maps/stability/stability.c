@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/commands.h"
+#include "host_sim/maps/stability/stability_cell.h"
+#include "host_sim/maps/stability/stability_figure.h"
+#include "host_sim/maps/stability/stability_read.h"
+#include "host_sim/maps/stability/stability_tell.h"
 
 static const struct option stability_options[] = {
     {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",

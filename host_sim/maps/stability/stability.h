@@ -38,22 +38,11 @@ enum {
 
 extern const struct usage stability_usage;
 
-/* The command line into *s. 0, or the exit status after a line. */
-int stability_read(struct stability *s);
-
-/* Fills cell[FLOQUET_COLUMNS or CONTACT_COLUMNS], of which y and x are given. NULL, or why there is none. */
-const char *stability_floquet_cell(const struct stability *s, const struct scene *scene, double *cell);
-const char *stability_contact_cell(const struct stability *s, const struct scene *scene, double *cell);
-
 /* The kinds of a cell. Floquet: 0 unstable in both, 1 in the plant only, 2 in the method only. Energy: 0
  * lost, 1 made, 2 more than doubled, 3 not finite. Switches: 0 missed, 1 made up. */
 enum { STABILITY_NO_KIND = -1 };
 int stability_floquet_kind(const double *cell);
 int stability_energy_kind(const double *cell);
 int stability_switches_kind(const double *cell);
-
-/* How much of the map is unstable and where; and as a figure: see maps_finding. */
-void stability_tell(void *context, const struct rows_table *t, FILE *f);
-const char *stability_draw(void *context, const struct rows_table *t, struct figure *g);
 
 #endif

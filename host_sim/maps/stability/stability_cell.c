@@ -1,5 +1,5 @@
-/* stability_cell.c - one cell of a stability map: multipliers, or the energy and switches of a run. */
-#include "host_sim/maps/stability/stability.h"
+/* stability_cell.c - see stability_cell.h. */
+#include "host_sim/maps/stability/stability_cell.h"
 
 #include <math.h>
 #include "firmware/app/plant_scene.h"

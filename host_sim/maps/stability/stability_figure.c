@@ -1,5 +1,5 @@
-/* stability_figure.c - a stability map as a picture and a page: the cells of a kind have its colour. */
-#include "host_sim/maps/stability/stability.h"
+/* stability_figure.c - see stability_figure.h. */
+#include "host_sim/maps/stability/stability_figure.h"
 
 #include <math.h>
 #include <stdlib.h>

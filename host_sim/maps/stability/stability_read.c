@@ -1,6 +1,6 @@
-/* stability_read.c - the command line of contactplant stability: map, step, axes, and the columns of its
- * rows. */
-#include "host_sim/maps/stability/stability.h"
+/* stability_read.c - see stability_read.h. */
+#include "host_sim/cli/options_nearest.h"
+#include "host_sim/maps/stability/stability_read.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
-/* stability_tell.c - the kinds of cells, and the summary of a map: how much of it is unstable, and where. */
+/* stability_tell.c - see stability_tell.h. */
 #include "host_sim/cli/unit.h"
-#include "host_sim/maps/stability/stability.h"
+#include "host_sim/maps/stability/stability_tell.h"
 
 #include <math.h>
 #include <stdlib.h>

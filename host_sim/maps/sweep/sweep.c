@@ -2,6 +2,10 @@
 #include "host_sim/maps/sweep/sweep.h"
 
 #include "host_sim/commands.h"
+#include "host_sim/maps/sweep/sweep_chain.h"
+#include "host_sim/maps/sweep/sweep_figure.h"
+#include "host_sim/maps/sweep/sweep_read.h"
+#include "host_sim/maps/sweep/sweep_tell.h"
 
 #include <stdlib.h>
 

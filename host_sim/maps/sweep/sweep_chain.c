@@ -1,5 +1,6 @@
-/* sweep_chain.c - a chain of points: takes its steps, follows what else they can lead to, writes and resumes
- * rows. */
+/* sweep_chain.c - see sweep_chain.h. */
+#include "host_sim/maps/sweep/sweep_chain.h"
+#include "host_sim/maps/sweep/sweep_point.h"
 #include "host_sim/maps/sweep/sweep_step.h"
 
 #include <math.h>

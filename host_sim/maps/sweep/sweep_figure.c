@@ -1,8 +1,7 @@
-/* sweep_figure.c - a sweep from its rows, as a picture and a page: amplitudes, phase, time out of contact and
- * peak force, and its jumps one by one.
- *
- * Up and down have a colour each, or each value of the family has one. Jumps are dashed. */
-#include "host_sim/maps/sweep/sweep.h"
+/* sweep_figure.c - see sweep_figure.h. */
+#include "host_sim/maps/sweep/sweep_figure.h"
+#include "host_sim/maps/sweep/sweep_chain.h"
+#include "host_sim/maps/sweep/sweep_tell.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* sweep_point.c - one round of a point of a sweep: settles a plant, then measures it. */
-#include "host_sim/maps/sweep/sweep.h"
+/* sweep_point.c - see sweep_point.h. */
+#include "host_sim/maps/sweep/sweep_point.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,5 @@
-/* sweep_read.c - the command line of contactplant sweep: ranges, harmonics, periods, and the columns of
- * its rows. */
-#include "host_sim/maps/sweep/sweep.h"
+/* sweep_read.c - see sweep_read.h. */
+#include "host_sim/maps/sweep/sweep_read.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -8,6 +7,7 @@
 #include <string.h>
 #include "firmware/observe/lockin.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/maps/sweep/sweep_point.h"
 
 enum { POINTS_DEFAULT = 200, MEASURE_DEFAULT = 12, MULTIPLE_MAX = 4, WORD = 64 };
 static const double tol_default = 1e-9;

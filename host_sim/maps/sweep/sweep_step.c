@@ -1,5 +1,6 @@
 /* sweep_step.c - settles a point, and searches for jumps by bisection where neighbours differ. */
 #include "host_sim/maps/sweep/sweep_step.h"
+#include "host_sim/maps/sweep/sweep_point.h"
 
 #include <math.h>
 #include "models/math/elementary.h"

@@ -1,7 +1,7 @@
-/* sweep_tell.c - the summary of a sweep from its rows: its jumps, its largest amplitude, and what did not
- * settle. */
-#include "host_sim/maps/sweep/sweep.h"
+/* sweep_tell.c - see sweep_tell.h. */
+#include "host_sim/maps/sweep/sweep_tell.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/maps/sweep/sweep_chain.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,14 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_ladder.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_search.h"
 #include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_theory.h"
+#include "host_sim/choose/choose_truth.h"
+#include "host_sim/choose/choose_watch.h"
 #include "models/afm_tip.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_search.h"
 #include "models/shaft_views.h"
 #include "tests/unit/test.h"
 

@@ -2,7 +2,11 @@
  * tests/choose/choose_levers.c judges certificates of random levers by another integrator. */
 #include <math.h>
 #include <string.h>
+#include "host_sim/choose/choose_climb.h"
+#include "host_sim/choose/choose_ladder.h"
+#include "host_sim/choose/choose_search.h"
 #include "host_sim/choose/choose_steps.h"
+#include "host_sim/choose/choose_watch.h"
 #include "models/afm_lever.h"
 #include "models/hertz_rig.h"
 #include "tests/unit/test.h"

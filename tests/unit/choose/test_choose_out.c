@@ -4,6 +4,7 @@
 #include "models/scenes/scenes.h"
 #include "tests/choose/choose_out.h"
 #include "tests/unit/test.h"
+#include "host_sim/choose/choose_search.h"
 
 static void check_out(const char *preset, double tolerance, double over)
 {

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_search.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/shaft_bearing.h"

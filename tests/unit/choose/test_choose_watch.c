@@ -6,6 +6,10 @@
 #include <string.h>
 #include "firmware/app/plant_scene.h"
 #include "host_sim/choose/choose.h"
+#include "host_sim/choose/choose_print.h"
+#include "host_sim/choose/choose_run.h"
+#include "host_sim/choose/choose_search.h"
+#include "host_sim/choose/choose_watch.h"
 #include "host_sim/scene/scene_file.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"

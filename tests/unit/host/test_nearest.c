@@ -1,6 +1,7 @@
 /* test_nearest.c - the name that was meant, and what a refusal ends with; the right answers are a reader's.
  */
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/options_nearest.h"
 #include "tests/unit/test.h"
 
 #include <string.h>

@@ -1,6 +1,7 @@
 /* test_basin.c - starts, returns, clusters, intervals of
  * confidence: the parts of a basin map, against closed forms. */
 #include "host_sim/maps/basin/basin_clusters.h"
+#include "host_sim/maps/basin/basin_repeat.h"
 #include "host_sim/maps/basin/basin_starts.h"
 #include "models/shaft_bearing.h"
 #include "tests/unit/test.h"

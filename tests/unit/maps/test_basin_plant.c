@@ -2,6 +2,7 @@
  * start one tick at a time. Compared are outcome, periods, the state where it ends, and all that is
  * measured from there. */
 #include "firmware/app/plant_scene.h"
+#include "host_sim/maps/basin/basin_repeat.h"
 #include "host_sim/maps/basin/basin_settle.h"
 #include "host_sim/batch/batch_taylor.h"
 #include "models/afm_tip.h"

@@ -1,8 +1,12 @@
 /* test_maps_identity.c - every option of every map says whether it belongs to the number of a run. */
 #include "host_sim/maps/basin/basin.h"
+#include "host_sim/maps/basin/basin_read.h"
 #include "host_sim/maps/random/random.h"
+#include "host_sim/maps/random/random_read.h"
 #include "host_sim/maps/stability/stability.h"
+#include "host_sim/maps/stability/stability_read.h"
 #include "host_sim/maps/sweep/sweep.h"
+#include "host_sim/maps/sweep/sweep_read.h"
 #include "tests/unit/test.h"
 
 #include <stdio.h>

@@ -1,6 +1,8 @@
 /* test_sweep.c - response curves against independent folds
  * and branches, closed forms, and themselves in parts. */
 #include "host_sim/commands.h"
+#include "host_sim/maps/sweep/sweep_chain.h"
+#include "host_sim/maps/sweep/sweep_point.h"
 #include "tests/unit/test.h"
 
 #include <math.h>
