@@ -152,7 +152,7 @@ static void rewrite_vary(struct word value, char text[TRIAL_VALUE])
 /* vary = NAME=FROM:TO:N */
 static bool take_vary(struct trial_reader *r, struct word value)
 {
-    struct scene_key k = {.unit = ""};
+    struct scene_key k = {.full = "", .unit = ""};
     char text[TRIAL_VALUE], why[RANGE_REASON];
     rewrite_vary(value, text);
     struct word name = scene_text_trimmed((struct word){text, strcspn(text, "=")});
