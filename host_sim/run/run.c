@@ -6,7 +6,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/live/fault_list.h"
 #include "host_sim/live/lockstep.h"
-#include "host_sim/live/run_outcome.h"
+#include "host_sim/run/run_outcome.h"
 #include "host_sim/plants/plants.h"
 #include "host_sim/run/neighbours.h"
 #include "host_sim/run/run_report.h"

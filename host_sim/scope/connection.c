@@ -51,7 +51,7 @@ void connection_close(struct connection *c, struct site *s)
 {
     s->streams -= c->state == CONNECTION_STREAMS;
     if (c->state == CONNECTION_COMMANDS)
-        control_leave(&s->control, c->plant, c->command);
+        page_send_leave(&s->control, c->plant, c->command);
     if (c->state != CONNECTION_FREE)
         close(c->socket);
     c->state = CONNECTION_FREE;
@@ -141,7 +141,7 @@ static void answer_command(struct connection *c, struct site *s, const struct ht
         answer_sentence(c, HTTP_NOT_FOUND, "write " HTTP_COMMAND " and the number of a plant, from 0", false);
         return;
     }
-    c->command = control_begin(&s->control, c->plant, r->body, r->n_body, &why);
+    c->command = page_send_begin(&s->control, c->plant, r->body, r->n_body, &why);
     if (!c->command) {
         answer_sentence(c, HTTP_BAD, why, false);
         return;
@@ -320,7 +320,7 @@ static void turn_command(struct connection *c, struct site *s)
     bool over = false;
     if (c->first_sent == c->n_first) {
         c->first_sent = 0;
-        c->n_first = control_read(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
+        c->n_first = page_send_read(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
         c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
         if (!over)
             ask_whether_there(c);

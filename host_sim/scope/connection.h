@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "host_sim/scope/control.h"
+#include "host_sim/scope/page_send.h"
 #include "host_sim/scope/http.h"
 #include "host_sim/out/json.h"
 
@@ -42,7 +42,7 @@ struct site {
     int n_connections;
     void (*greet)(void *context, struct json *j); /* writes what a new stream has first */
     void *context;
-    struct control control; /* without a token: no command is taken */
+    struct page_send control; /* without a token: no command is taken */
 };
 
 struct connection {

@@ -179,7 +179,7 @@ static void say_who(const struct hub *h, const char *name, const char *address)
 int hub_open(struct hub *h, const struct options *o, const char *at)
 {
     char text[SERVER_REASON];
-    if (options_given(o, "control") && !control_open(&h->server.site.control))
+    if (options_given(o, "control") && !page_send_open(&h->server.site.control))
         return options_failure(o->usage, "--control: no random numbers for a token");
     if (!server_open(&h->server, at, text))
         return options_failure(o->usage, "%s", text);
@@ -189,12 +189,12 @@ int hub_open(struct hub *h, const struct options *o, const char *at)
     return 0;
 }
 
-STATIC_ASSERT((int)HUB_PLANTS <= (int)CONTROL_PLANTS, each_plant_can_be_commanded);
+STATIC_ASSERT((int)HUB_PLANTS <= (int)PAGE_SEND_PLANTS, each_plant_can_be_commanded);
 
 void hub_command(struct hub *h, const struct decoder *d, const struct options *o, const char *bus,
                  const char *peer)
 {
-    control_add(&h->server.site.control, o, d->name, d->scene.config.base_id, bus, peer);
+    page_send_add(&h->server.site.control, o, d->name, d->scene.config.base_id, bus, peer);
 }
 
 struct decoder *hub_add(struct hub *h, const char *name)
@@ -217,7 +217,7 @@ void hub_turn(struct hub *h)
         receive_from(h, &h->source[i]);
     if (is_due(&h->send_s, batch_s))
         send_all(h);
-    control_turn(&h->server.site.control);
+    page_send_turn(&h->server.site.control);
     server_turn(&h->server, TURN_MS);
 }
 
@@ -236,7 +236,7 @@ void hub_close(struct hub *h, const char *why)
     if (h->server.socket >= 0)
         say_goodbye(h, why);
     server_close(&h->server);
-    control_close(&h->server.site.control);
+    page_send_close(&h->server.site.control);
     for (int i = 0; i < h->n_decoders; i++) {
         scene_free(&h->decoder[i]->scene);
         free(h->decoder[i]);

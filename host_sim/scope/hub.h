@@ -37,7 +37,7 @@ int hub_open(struct hub *h, const struct options *o, const char *at);
 /* One plant more, of this scene; its name and bus as text. NULL when out of memory. */
 struct decoder *hub_add(struct hub *h, const char *name);
 
-/* With --control this plant, the next one, takes commands; see control_add. */
+/* With --control this plant, the next one, takes commands; see page_send_add. */
 void hub_command(struct hub *h, const struct decoder *d, const struct options *o, const char *bus,
                  const char *peer);
 

@@ -1,5 +1,5 @@
-/* control.c - see control.h. */
-#include "host_sim/scope/control.h"
+/* page_send.c - see page_send.h. */
+#include "host_sim/scope/page_send.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/scene/scene.h"
 
@@ -21,7 +21,7 @@ enum {
 
 static const double command_patience_s = 1.0, command_look_s = 0.005; /* for a command to end */
 
-bool control_open(struct control *c)
+bool page_send_open(struct page_send *c)
 {
     unsigned char random[(HTTP_TOKEN - 1) / 2];
     if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random)
@@ -39,7 +39,7 @@ static int port_of(const char *address)
 
 /* Where send is, and whom it speaks with over UDP: a plant
  * that runs beside us at udp:HOST:PORT, or at `peer`. */
-static void place(struct control_plant *p, const char *bus, const char *peer)
+static void place(struct page_send_plant *p, const char *bus, const char *peer)
 {
     snprintf(p->bus, sizeof p->bus, "%s", bus);
     if (strncmp(bus, "udp:", 4))
@@ -56,11 +56,11 @@ static void place(struct control_plant *p, const char *bus, const char *peer)
     snprintf(p->bus, sizeof p->bus, "udp:%.*s%s%d", n, host, n ? ":" : "", port_of(p->peer) + SEND_PORT);
 }
 
-void control_add(struct control *c, const struct options *o, const char *scene, uint32_t base_id,
-                 const char *bus, const char *peer)
+void page_send_add(struct page_send *c, const struct options *o, const char *scene, uint32_t base_id,
+                   const char *bus, const char *peer)
 {
-    struct control_plant *p = &c->plant[c->n_plants++];
-    *p = (struct control_plant){.o = o, .words = -1};
+    struct page_send_plant *p = &c->plant[c->n_plants++];
+    *p = (struct page_send_plant){.o = o, .words = -1};
     snprintf(p->scene, sizeof p->scene, "%s", scene);
     snprintf(p->base_id, sizeof p->base_id, "0x%X", base_id);
     place(p, bus, peer);
@@ -88,10 +88,10 @@ static int split(char *line, char **word)
     return n;
 }
 
-uint32_t control_begin(struct control *c, int i, const char *line, size_t n, const char **why)
+uint32_t page_send_begin(struct page_send *c, int i, const char *line, size_t n, const char **why)
 {
     char copy[HTTP_BODY + 1], *word[OPTIONS_WORDS + 1];
-    struct control_plant *p = &c->plant[i];
+    struct page_send_plant *p = &c->plant[i];
     snprintf(copy, sizeof copy, "%.*s", (int)n, line);
     int n_words = split(copy, word);
     *why = "write a command of contactplant send, for instance: start";
@@ -104,7 +104,7 @@ uint32_t control_begin(struct control *c, int i, const char *line, size_t n, con
     for (int k = 0; k < n_words; k++)
         if (!is_allowed(word[k]))
             return 0;
-    control_leave(c, i, p->number);
+    page_send_leave(c, i, p->number);
     snprintf(p->line, sizeof p->line, "%.*s", (int)n, line);
     p->waits = true;
     return ++p->number;
@@ -136,7 +136,7 @@ static void add_word(struct words *w, const char *dashes, const char *word)
 }
 
 /* contactplant send, the plant, and the command. */
-static void compose(struct words *w, struct control_plant *p)
+static void compose(struct words *w, struct page_send_plant *p)
 {
     const char *const own[] = {"contactplant", "send",  "--model", p->scene, "--base-id",
                                p->base_id,     "--bus", p->bus,    "--peer", p->peer};
@@ -174,7 +174,7 @@ static void become(char *const *argv, int words)
     _exit(127);
 }
 
-static void start(struct control_plant *p)
+static void start(struct page_send_plant *p)
 {
     struct words w = {.n = 0};
     int words[2];
@@ -198,7 +198,7 @@ static void start(struct control_plant *p)
 }
 
 /* Takes note of its end, and brings it about where it is due. */
-static void look_after(struct control_plant *p)
+static void look_after(struct page_send_plant *p)
 {
     if (p->pid && waitpid(p->pid, &p->status, WNOHANG) == p->pid)
         p->pid = 0;
@@ -206,7 +206,7 @@ static void look_after(struct control_plant *p)
         kill(p->pid, SIGKILL);
 }
 
-void control_turn(struct control *c)
+void page_send_turn(struct page_send *c)
 {
     for (int i = 0; i < c->n_plants; i++) {
         look_after(&c->plant[i]);
@@ -215,7 +215,7 @@ void control_turn(struct control *c)
     }
 }
 
-static size_t say_end(const struct control_plant *p, char *text, size_t room)
+static size_t say_end(const struct page_send_plant *p, char *text, size_t room)
 {
     bool began = p->words >= 0, exited = began && WIFEXITED(p->status);
     if (exited)
@@ -223,9 +223,9 @@ static size_t say_end(const struct control_plant *p, char *text, size_t room)
     return (size_t)snprintf(text, room, began ? "ended by a signal\n" : "cannot start contactplant send\n");
 }
 
-size_t control_read(struct control *c, int i, uint32_t number, char *text, size_t room, bool *over)
+size_t page_send_read(struct page_send *c, int i, uint32_t number, char *text, size_t room, bool *over)
 {
-    struct control_plant *p = &c->plant[i];
+    struct page_send_plant *p = &c->plant[i];
     *over = number != p->number;
     if (*over)
         return (size_t)snprintf(text, room, "ended by a later command\n");
@@ -236,9 +236,9 @@ size_t control_read(struct control *c, int i, uint32_t number, char *text, size_
     return *over ? say_end(p, text, room) : n > 0 ? (size_t)n : 0;
 }
 
-void control_leave(struct control *c, int i, uint32_t number)
+void page_send_leave(struct page_send *c, int i, uint32_t number)
 {
-    struct control_plant *p = &c->plant[i];
+    struct page_send_plant *p = &c->plant[i];
     if (number != p->number)
         return;
     p->waits = false;
@@ -251,20 +251,20 @@ void control_leave(struct control *c, int i, uint32_t number)
     p->until_s = clock_now_s() + command_patience_s;
 }
 
-static bool is_at_work(struct control *c)
+static bool is_at_work(struct page_send *c)
 {
     bool any = false;
-    control_turn(c);
+    page_send_turn(c);
     for (int i = 0; i < c->n_plants; i++)
         any = any || c->plant[i].pid;
     return any;
 }
 
-void control_close(struct control *c)
+void page_send_close(struct page_send *c)
 {
     double end = clock_now_s() + 2.0 * command_patience_s;
     for (int i = 0; i < c->n_plants; i++)
-        control_leave(c, i, c->plant[i].number);
+        page_send_leave(c, i, c->plant[i].number);
     while (is_at_work(c) && clock_now_s() < end)
         clock_sleep_s(command_look_s);
     c->n_plants = 0;

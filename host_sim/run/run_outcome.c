@@ -1,5 +1,5 @@
 /* run_outcome.c - see run_outcome.h. */
-#include "host_sim/live/run_outcome.h"
+#include "host_sim/run/run_outcome.h"
 
 #include <errno.h>
 #include <stdio.h>
