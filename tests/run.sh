@@ -235,6 +235,7 @@ more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /
 more waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
 more waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
+stage waits "requirements of tests, shares of a scheduler" tests/trial/test_requirements.py build/contactplant
 stage waits "tests of controllers that harm their bench" /usr/bin/python3 tests/trial/test_bench.py build
 stage waits "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
 more waits "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 4 2

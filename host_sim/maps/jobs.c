@@ -18,8 +18,9 @@
 const struct option jobs_options[] = {
     {"out", "FILE", "rows as CSV; an interrupted run is resumed in its file (standard output)", OPTION_WRITES,
      .initial = NULL, .identity = IDENTITY_OUTSIDE},
-    {"shard", "I/N", "only the I-th of N shares; their files concatenate in order (1/1)", OPTION_TEXT,
-     .initial = "1/1", .identity = IDENTITY_OUTSIDE},
+    {"shard", "I/N",
+     "only the I-th of N shares; auto: as Slurm's array tells; contactplant merge joins them (1/1)",
+     OPTION_TEXT, .initial = "1/1", .identity = IDENTITY_OUTSIDE},
     {"cores", "N", "processes side by side (all cores)", OPTION_INTEGER, 1, JOBS_CORES, .initial = NULL,
      .identity = IDENTITY_OUTSIDE},
     {.name = NULL},
@@ -75,26 +76,70 @@ bool jobs_row_fits(struct jobs_chain *c, char *line)
     return fits;
 }
 
-int jobs_read_shard(const struct options *o, int n_things, int *first, int *end)
+/* A whole number of an environment variable; 0: there is none. */
+static long told(const char *name)
+{
+    const char *text = getenv(name);
+    char *end;
+    long value = text ? strtol(text, &end, 10) : 0;
+    return text && end != text && !*end && value > 0 && value < INT_MAX ? value : 0;
+}
+
+/* The I of N that the scheduler tells this task: Slurm's array 1..N, or any of it where N is given. GNU
+ * parallel tells I alone. False: it tells none. */
+static bool scheduled(long *i, long *n)
+{
+    long task = told("SLURM_ARRAY_TASK_ID"), count = told("SLURM_ARRAY_TASK_COUNT");
+    bool whole = told("SLURM_ARRAY_TASK_MIN") == 1 && told("SLURM_ARRAY_TASK_MAX") == count;
+    *i = task ? task : told("PARALLEL_SEQ");
+    *n = *n ? *n : task && whole ? count : 0;
+    return *i && *n;
+}
+
+/* I/N, auto/N or auto. False after a line. */
+static bool read_share(const struct options *o, long *i, long *n)
 {
     const char *text = options_text(o, "shard", 0);
+    bool automatic = !strncmp(text, "auto", 4);
+    size_t head = automatic ? 4 : strspn(text, "0123456789");
+    const char *of = text + head;
+    char *last;
+    *i = automatic ? 0 : strtol(text, NULL, 10);
+    *n = *of == '/' ? strtol(of + 1, &last, 10) : 0;
+    bool good = *of == '/' ? last != of + 1 && !*last && *n >= 1 && *n <= INT_MAX : automatic && !*of;
+    if (good && automatic && !scheduled(i, n)) {
+        options_misuse(
+            o->usage,
+            "--shard %s: SLURM_ARRAY_TASK_ID of an array 1-N tells the share, or with auto/N it and "
+            "PARALLEL_SEQ of GNU parallel; neither does here",
+            text);
+        return false;
+    }
+    good = good && *i >= 1 && *i <= *n;
+    if (!good)
+        options_misuse(o->usage, "--shard %s: give I/N with 1 <= I <= N, or auto", text);
+    return good;
+}
+
+int jobs_read_shard(const struct options *o, int n_things, struct jobs_share *s)
+{
     long i, n;
-    char *behind, *last;
-    i = strtol(text, &behind, 10);
-    n = *behind == '/' ? strtol(behind + 1, &last, 10) : 0;
-    if (n < 1 || n > INT_MAX || *last || last == behind + 1 || i < 1 || i > n)
-        return options_misuse(o->usage, "--shard %s: give I/N with 1 <= I <= N", text);
-    *first = (int)((int64_t)n_things * (i - 1) / n);
-    *end = (int)((int64_t)n_things * i / n);
+    if (!read_share(o, &i, &n))
+        return STATUS_MISUSED;
+    s->first = (int)((int64_t)n_things * (i - 1) / n);
+    s->end = (int)((int64_t)n_things * i / n);
+    s->is_first = i == 1;
     return STATUS_DONE;
 }
 
 /* A shard is empty where there are fewer jobs than shards. Returns the exit status. */
 static int read_shard(struct book *b)
 {
-    int status = jobs_read_shard(b->j->options, b->j->n, &b->first, &b->end);
-    b->has_header = strtol(options_text(b->j->options, "shard", 0), NULL, 10) == 1;
-    b->next = b->first;
+    struct jobs_share s = {.end = 0};
+    int status = jobs_read_shard(b->j->options, b->j->n, &s);
+    b->first = b->next = s.first;
+    b->end = s.end;
+    b->has_header = s.is_first;
     return status;
 }
 

@@ -48,8 +48,13 @@ struct jobs {
     size_t (*resume)(void *context, int i, const char *rows);
 };
 
-/* The share [*first, *end) of n things that --shard names, I/N. Returns the exit status. */
-int jobs_read_shard(const struct options *o, int n, int *first, int *end);
+/* The share [first, end) of n things that --shard names: I/N, or auto (docs/guide/maps.md). Returns the exit
+ * status. */
+struct jobs_share {
+    int first, end;
+    bool is_first; /* share 1, which has the header; others may begin at 0, too */
+};
+int jobs_read_shard(const struct options *o, int n, struct jobs_share *s);
 
 /* Computes all jobs of this shard, with progress and the time left on stderr. Returns the exit status:
  * STATUS_DONE when every row is written. Else one line on stderr says what happened and what to do, and

@@ -14,8 +14,8 @@
 #include "host_sim/trial/bench/child.h"
 #include "host_sim/trial/bench/controller.h"
 #include "host_sim/trial/record.h"
-#include "host_sim/trial/report.h"
-#include "host_sim/trial/trial_html.h"
+#include "host_sim/trial/report/report.h"
+#include "host_sim/trial/report/trial_html.h"
 #include "host_sim/trial/trial_read.h"
 
 #include <errno.h>
@@ -38,9 +38,16 @@ static const struct option test_options[] = {
      .initial = NULL},
     {"report", "FILE", "a page with verdicts and, with --log, charts around what failed; opens in a browser",
      OPTION_WRITES, .initial = NULL},
+    {"requirements", "FILE",
+     "a CSV of ID,TEXT lines: all that there are. A case that names another one is refused, and those that "
+     "no "
+     "case names are told",
+     OPTION_READS, .initial = NULL},
+    {"fail-on", "WHAT", "exit with 1 on this, too: untraced, a requirement that no case names", OPTION_TEXT,
+     .initial = NULL},
     {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
      .initial = NULL},
-    {"shard", "I/N", "only the I-th of N shares of the cases (1/1)", OPTION_TEXT, .initial = "1/1"},
+    {"shard", "I/N", "only the I-th of N shares of the cases, or auto (1/1)", OPTION_TEXT, .initial = "1/1"},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "10"},
     {.name = "realtime",
@@ -87,6 +94,7 @@ struct tests {
     int first_run[REPORTS_MAX]; /* each report's */
     bool is_done[RUNS_MAX];
     char program[PATH_MAX];
+    struct requirements requirements, untraced;
     char *again; /* options that a command for one case must have */
     double begin_s;
 };
@@ -156,9 +164,10 @@ static int read_file(struct tests *t, int i)
 /* The cases of --shard stay, and their runs get their numbers. */
 static int take_share(struct tests *t)
 {
-    int first = 0, end = 0, status = jobs_read_shard(t->o, t->n_reports, &first, &end);
-    t->n_reports = end - first;
-    memmove(t->report, t->report + first, (size_t)t->n_reports * sizeof t->report[0]);
+    struct jobs_share s = {.end = 0};
+    int status = jobs_read_shard(t->o, t->n_reports, &s);
+    t->n_reports = s.end - s.first;
+    memmove(t->report, t->report + s.first, (size_t)t->n_reports * sizeof t->report[0]);
     t->n_runs = 0;
     for (int i = 0; i < t->n_reports; i++) {
         t->first_run[i] = t->n_runs;
@@ -378,13 +387,23 @@ static bool lose(void *taker, int run, int status)
 
 /* The file of this option, if it was given. */
 static bool write_report(const struct tests *t, const char *option,
-                         bool (*write)(const char *path, const struct report_case *r, int n))
+                         bool (*write)(const char *path, const struct report_case *r, int n,
+                                       const struct requirements *untraced))
 {
     const char *path = options_text(t->o, option, 0);
-    bool written = !path || write(path, t->report, t->n_reports);
+    bool written = !path || write(path, t->report, t->n_reports, &t->untraced);
     if (!written)
         options_failure(t->o->usage, "--%s %s cannot be written: %s", option, path, strerror(errno));
     return written;
+}
+
+/* One line for requirements that no case names. */
+static void print_untraced(const struct tests *t)
+{
+    for (int i = 0; i < t->untraced.n; i++)
+        printf("%s%s", i ? ", " : "untraced: ", t->untraced.entry[i].id);
+    if (t->untraced.n)
+        printf("; no case names %s\n", t->untraced.n == 1 ? "it" : "them");
 }
 
 static int conclude(const struct tests *t)
@@ -397,13 +416,15 @@ static int conclude(const struct tests *t)
     }
     printf("%d ok, %d failed, %d untested, %d with an error; %.6g s of plant time in %.2f s\n", n[VERDICT_OK],
            n[VERDICT_FAIL], n[VERDICT_UNTESTED], n[VERDICT_ERROR], plant_s, took_s);
+    print_untraced(t);
     bool written = write_report(t, "junit", report_junit);
     written = write_report(t, "json", report_json) && written;
     if (!written || fflush(stdout))
         return STATUS_FAILED;
-    return n[VERDICT_ERROR]                        ? STATUS_BENCH
-           : n[VERDICT_FAIL] + n[VERDICT_UNTESTED] ? STATUS_FAILED
-                                                   : STATUS_DONE;
+    bool is_short = t->untraced.n && options_given(t->o, "fail-on");
+    return n[VERDICT_ERROR]                                    ? STATUS_BENCH
+           : n[VERDICT_FAIL] + n[VERDICT_UNTESTED] || is_short ? STATUS_FAILED
+                                                               : STATUS_DONE;
 }
 
 static bool has_microscope(const struct tests *t)
@@ -505,6 +526,40 @@ static int make_folder(const struct tests *t)
     return 0;
 }
 
+static bool is_traced(const struct tests *t, const char *id)
+{
+    for (int i = 0; i < t->o->n_words; i++)
+        for (int k = 0; k < t->trial[i]->n_cases; k++)
+            if (requirements_names(&t->trial[i]->cases[k], id))
+                return true;
+    return false;
+}
+
+/* Holds the cases of all files, picked or not, against --requirements. 0, or the exit status after a line. */
+static int read_requirements(struct tests *t)
+{
+    struct requirements *l = &t->requirements;
+    const char *path = options_text(t->o, "requirements", 0), *fail_on = options_text(t->o, "fail-on", 0);
+    char why[REQUIREMENTS_REASON];
+    if (fail_on && (!path || strcmp(fail_on, "untraced") != 0))
+        return options_misuse(t->o->usage, "--fail-on %s: it is untraced, and goes with --requirements",
+                              fail_on);
+    if (!path)
+        return 0;
+    if (!requirements_read(l, path, why))
+        return options_misuse(t->o->usage, "--requirements: %s", why);
+    for (int i = 0; i < t->o->n_words; i++)
+        if (!requirements_know(l, t->trial[i], why))
+            return options_misuse(t->o->usage, "%s", why);
+    t->untraced.entry = malloc((size_t)l->n * sizeof *l->entry);
+    if (!t->untraced.entry)
+        return options_failure(t->o->usage, "out of memory");
+    for (int i = 0; i < l->n; i++)
+        if (!is_traced(t, l->entry[i].id))
+            t->untraced.entry[t->untraced.n++] = l->entry[i];
+    return 0;
+}
+
 static int prepare(struct tests *t)
 {
     int status = 0;
@@ -512,6 +567,7 @@ static int prepare(struct tests *t)
     t->program[n > 0 ? n : 0] = 0;
     for (int i = 0; i < t->o->n_words && !status; i++)
         status = read_file(t, i);
+    status = status ? status : read_requirements(t);
     status = status ? status : check_addresses(t);
     status = status ? status : pick_cases(t);
     status = status ? status : check_records(t);
@@ -528,12 +584,15 @@ int cmd_test(int argc, char **argv)
     t.o = &o;
     status = prepare(&t);
     status = status ? status : run_all(&t);
-    if (t.n_reports && t.printed == t.n_reports && trial_html(&o, argc, argv, t.report, t.n_reports))
+    if (t.n_reports && t.printed == t.n_reports &&
+        trial_html(&o, argc, argv, t.report, t.n_reports, &t.requirements, &t.untraced))
         status = STATUS_FAILED;
     for (int i = 0; i < t.n_reports; i++)
         free(t.report[i].worst);
     for (int i = 0; i < o.n_words; i++)
         free(t.trial[i]);
     free(t.again);
+    requirements_free(&t.requirements);
+    requirements_free(&t.untraced);
     return status;
 }

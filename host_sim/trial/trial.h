@@ -15,12 +15,13 @@ enum {
     TRIAL_CASES = 64,
     TRIAL_NAME = 48,
     TRIAL_VALUE = SCENE_FILE_LINE + 1,
-    TRIAL_ACTS = 48,    /* `at` lines of a case, those it has by `like` included */
-    TRIAL_SETS = 12,    /* values of a plant */
-    TRIAL_EXPECTS = 48, /* in a case */
-    TRIAL_STEPS = 1000, /* seeds, or values of vary */
-    TRIAL_KEYS = 16,    /* in a section */
-    TRIAL_RECORD = 180, /* characters of a name of records */
+    TRIAL_ACTS = 48,         /* `at` lines of a case, those it has by `like` included */
+    TRIAL_SETS = 12,         /* values of a plant */
+    TRIAL_EXPECTS = 48,      /* in a case */
+    TRIAL_STEPS = 1000,      /* seeds, or values of vary */
+    TRIAL_KEYS = 16,         /* in a section */
+    TRIAL_REQUIREMENTS = 16, /* that a case names */
+    TRIAL_RECORD = 180,      /* characters of a name of records */
     TRIAL_REASON = SCENE_FILE_REASON
 };
 
@@ -68,6 +69,8 @@ struct trial_case {
     int golden_line;
     char golden[TRIAL_VALUE];         /* a log to compare with, beside the file, or "" */
     double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
+    int requirement_line, n_requirements;
+    char requirement[TRIAL_REQUIREMENTS][TRIAL_NAME]; /* identifiers */
     int n_acts, n_expects;
     struct trial_act act[TRIAL_ACTS]; /* by time */
     struct trial_expect expect[TRIAL_EXPECTS];

@@ -15,7 +15,7 @@
 #include "host_sim/scene/scene_words.h"
 #include "host_sim/trial/trial_afm.h"
 
-enum { KEYS = 14 };
+enum { KEYS = 15 };
 
 #define TIME_MAX 1e6
 
@@ -241,6 +241,43 @@ static bool take_golden(struct trial_reader *r, struct word value)
     return trial_copy(r, path, c->golden, sizeof c->golden);
 }
 
+bool trial_keys_is_requirement(const char *id, size_t n)
+{
+    bool good = n > 0 && n < TRIAL_NAME;
+    for (size_t i = 0; good && i < n; i++)
+        good = (id[i] >= 'a' && id[i] <= 'z') || (id[i] >= 'A' && id[i] <= 'Z') ||
+               strchr("0123456789-_.:", id[i]);
+    return good;
+}
+
+/* requirement = ID, ID; those of `like` give way. */
+static bool take_requirement(struct trial_reader *r, struct word value)
+{
+    struct trial_case *c = r->now;
+    c->n_requirements = 0;
+    c->requirement_line = r->text.line;
+    while (value.n) {
+        const char *comma = memchr(value.at, ',', value.n);
+        size_t n = comma ? (size_t)(comma - value.at) : value.n;
+        struct word id = scene_text_trimmed((struct word){value.at, n});
+        if (!trial_keys_is_requirement(id.at, id.n))
+            return trial_wrong(r,
+                               "requirement: \"%.*s\": write ID, ID; an ID has letters, digits, - _ . : and "
+                               "at most %d of them",
+                               scene_text_shown(id), id.at, TRIAL_NAME - 1);
+        if (c->n_requirements == TRIAL_REQUIREMENTS)
+            return trial_wrong(r, "requirement: more than %d", TRIAL_REQUIREMENTS);
+        for (int i = 0; i < c->n_requirements; i++)
+            if (scene_text_is(id, c->requirement[i]))
+                return trial_wrong(r, "requirement: %s stands twice", c->requirement[i]);
+        (void)trial_copy(r, id, c->requirement[c->n_requirements++], TRIAL_NAME);
+        if (comma && n + 1 == value.n)
+            return trial_wrong(r, "requirement: an ID is missing behind the last comma");
+        value = comma ? (struct word){comma + 1, value.n - n - 1} : (struct word){value.at, 0};
+    }
+    return true;
+}
+
 static bool take_like(struct trial_reader *r, struct word value)
 {
     const char *name[TRIAL_CASES];
@@ -285,6 +322,7 @@ static const struct key keys[KEYS] = {
     {"target", CASE, take_target},
     {"lockin", CASE, take_lockin},
     {"golden", CASE, take_golden},
+    {"requirement", CASE, take_requirement},
 };
 
 static bool no_key(struct trial_reader *r, struct word name)

@@ -7,4 +7,7 @@
 /* A line KEY = VALUE. */
 bool trial_read_key(struct trial_reader *r, struct word w);
 
+/* Whether this may be the identifier of a requirement: letters, digits and - _ . : */
+bool trial_keys_is_requirement(const char *id, size_t n);
+
 #endif

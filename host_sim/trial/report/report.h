@@ -3,6 +3,7 @@
 #define HOST_SIM_REPORT_H
 
 #include "host_sim/trial/bench/bench.h"
+#include "host_sim/trial/report/requirements.h"
 
 #include <stdio.h>
 #include <time.h>
@@ -24,8 +25,8 @@ extern const char *const report_verdict[];
  * which a command that runs the case again must have. */
 void report_print(FILE *out, const struct report_case *r, const char *options);
 
-/* The whole report. False: it could not be written. */
-bool report_junit(const char *path, const struct report_case *r, int n);
-bool report_json(const char *path, const struct report_case *r, int n);
+/* The whole report. `untraced`: requirements that no case names. False: it could not be written. */
+bool report_junit(const char *path, const struct report_case *r, int n, const struct requirements *untraced);
+bool report_json(const char *path, const struct report_case *r, int n, const struct requirements *untraced);
 
 #endif

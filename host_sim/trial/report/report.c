@@ -1,5 +1,5 @@
 /* report.c - see report.h. */
-#include "host_sim/trial/report.h"
+#include "host_sim/trial/report/report.h"
 #include "host_sim/cli/files.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 #include "host_sim/out/json.h"
 #include "host_sim/out/xml.h"
 #include "host_sim/trial/record.h"
+#include "host_sim/version.h"
 
 enum { HOST_NAME = 256 };
 
@@ -68,13 +69,37 @@ void report_print(FILE *out, const struct report_case *r, const char *options)
 
 /* ---- for programs ---- */
 
+static void junit_property(FILE *f, const char *name, const char *value)
+{
+    xml_put(f, "\n     <property name='%r' value='%s'/>", name, value);
+}
+
+/* For tools that trace requirements, and for people who repeat a run. */
+static void junit_properties(FILE *f, const struct report_case *r)
+{
+    const struct bench_result *w = r->worst;
+    char number[24];
+    xml_put(f, "\n    <properties>");
+    for (int i = 0; i < r->c->n_requirements; i++)
+        junit_property(f, "requirement", r->c->requirement[i]);
+    junit_property(f, "scene", r->trial->scene_name);
+    junit_property(f, "version", VERSION_TEXT);
+    snprintf(number, sizeof number, "%u", (unsigned)w->seed);
+    junit_property(f, "seed", number);
+    snprintf(number, sizeof number, "%016llx", (unsigned long long)w->hash);
+    if (w->hash)
+        junit_property(f, "hash", number);
+    if (*w->log)
+        junit_property(f, "log", w->log);
+    xml_put(f, "</properties>");
+}
+
 static void junit_case(FILE *f, const struct report_case *r)
 {
     const struct bench_result *w = r->worst;
     xml_put(f, "  <testcase classname='%s' name='%s' file='%s' line='%i' time='%t'>", r->trial->file,
             r->c->name, r->trial->file, r->c->line, r->took_s);
-    if (*w->log)
-        xml_put(f, "\n    <properties><property name='log' value='%s'/></properties>", w->log);
+    junit_properties(f, r);
     if (*w->error)
         xml_put(f, "\n    <%r message='%s'/>", w->verdict == VERDICT_ERROR ? "error" : "failure", w->error);
     for (int i = 0; i < w->n; i++) {
@@ -116,8 +141,9 @@ static void junit_suite(FILE *f, const struct report_case *r, int n)
     xml_put(f, " </testsuite>\n");
 }
 
-bool report_junit(const char *path, const struct report_case *r, int n)
+bool report_junit(const char *path, const struct report_case *r, int n, const struct requirements *untraced)
 {
+    (void)untraced; /* JUnit has cases alone */
     FILE *f = files_compose(path);
     if (!f)
         return false;
@@ -153,13 +179,16 @@ static void json_case(struct json *j, const struct report_case *r)
     json_put(j, ", 'seed': %u, 'varied': %e, 'plant_s': %e, 'hash': %h, 'error': %s, 'log': %s",
              (uint64_t)w->seed, w->varied ? w->varied_value : (double)NAN, r->plant_s, w->hash, w->error,
              w->log);
-    json_put(j, ", 'expects': [");
+    json_put(j, ", 'scene': %s, 'requirements': [", r->trial->scene_name);
+    for (int i = 0; i < r->c->n_requirements; i++)
+        json_item(j, "%s", r->c->requirement[i]);
+    json_put(j, "], 'expects': [");
     for (int i = 0; i < w->n; i++)
         json_outcome(j, &w->outcome[i]);
     json_put(j, "]}");
 }
 
-bool report_json(const char *path, const struct report_case *r, int n)
+bool report_json(const char *path, const struct report_case *r, int n, const struct requirements *untraced)
 {
     struct json j;
     FILE *f = files_compose(path);
@@ -169,6 +198,9 @@ bool report_json(const char *path, const struct report_case *r, int n)
     json_put(&j, "{'cases': [");
     for (int i = 0; i < n; i++)
         json_case(&j, &r[i]);
-    json_put(&j, "\n]}\n");
+    json_put(&j, "\n], 'untraced': [");
+    for (int i = 0; i < untraced->n; i++)
+        json_item(&j, "%s", untraced->entry[i].id);
+    json_put(&j, "]}\n");
     return files_finish(f, true);
 }

@@ -1,5 +1,5 @@
 /* trial_html.c - see trial_html.h. */
-#include "host_sim/trial/trial_html.h"
+#include "host_sim/trial/report/trial_html.h"
 #include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/log_report.h"
 #include "host_sim/trial/bench/bench_plant.h"
@@ -46,6 +46,68 @@ static void put_verdicts(struct html *h, const struct report_case *r, int n)
         html_cell(h, "%d", r[i].n_runs);
         html_cell(h, "%.6g", r[i].plant_s);
         html_cell(h, "%016llx", (unsigned long long)r[i].worst->hash);
+    }
+}
+
+/* The first expectation with the verdict of the case. */
+static const struct outcome *decisive(const struct bench_result *w)
+{
+    for (int i = 0; i < w->n; i++)
+        if (w->outcome[i].verdict == w->verdict)
+            return &w->outcome[i];
+    return NULL;
+}
+
+static void put_traced(struct html *h, const struct report_case *r, const char *id, const char *text)
+{
+    const struct bench_result *w = r->worst;
+    const struct outcome *o = decisive(w);
+    html_row(h, w->verdict != VERDICT_OK);
+    html_cell(h, "%s", id);
+    html_cell(h, "%s", text);
+    html_cell(h, "%s", r->c->name);
+    html_cell(h, "%s", report_verdict[w->verdict]);
+    if (r->c->names_seed)
+        html_cell(h, "%u", (unsigned)w->seed);
+    else
+        html_cell(h, "%s", "");
+    html_cell(h, "%s", o ? o->text : "");
+    html_cell(h, "%s", o ? o->found : w->error);
+}
+
+/* Whether a case before the i-th, or before its k-th requirement, names this one. */
+static bool is_put(const struct report_case *r, int i, const char *id)
+{
+    for (int k = 0; k < i; k++)
+        if (requirements_names(r[k].c, id))
+            return true;
+    return false;
+}
+
+/* Requirement by case, in the order of the cases, and then those without one. */
+static void put_matrix(struct html *h, const struct report_case *r, int n, const struct requirements *all,
+                       const struct requirements *untraced)
+{
+    int named = 0;
+    for (int i = 0; i < n; i++)
+        named += r[i].c->n_requirements;
+    if (!named && !untraced->n)
+        return;
+    html_table(h, "Requirements", "requirement,text,case,verdict,worst seed,expect,found");
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < r[i].c->n_requirements; k++) {
+            const char *id = r[i].c->requirement[k];
+            for (int m = i; m < n && !is_put(r, i, id); m++)
+                if (requirements_names(r[m].c, id))
+                    put_traced(h, &r[m], id, requirements_text(all, id));
+        }
+    for (int i = 0; i < untraced->n; i++) {
+        html_row(h, true);
+        html_cell(h, "%s", untraced->entry[i].id);
+        html_cell(h, "%s", untraced->entry[i].text);
+        html_cell(h, "%s", "no case names it");
+        for (int k = 0; k < 4; k++)
+            html_cell(h, "%s", "");
     }
 }
 
@@ -162,7 +224,8 @@ static void put_case(struct html *h, const struct report_case *r)
         html_words(h, "With --log FOLDER there are charts around %.9g s here.", o->value.when_s);
 }
 
-int trial_html(const struct options *o, int argc, char **argv, const struct report_case *r, int n)
+int trial_html(const struct options *o, int argc, char **argv, const struct report_case *r, int n,
+               const struct requirements *all, const struct requirements *untraced)
 {
     struct html h;
     const char *path = options_text(o, "report", 0);
@@ -173,6 +236,7 @@ int trial_html(const struct options *o, int argc, char **argv, const struct repo
         return options_failure(o->usage, "--report %s cannot be written: %s", path, why);
     put_headline(&h, r, n);
     put_verdicts(&h, r, n);
+    put_matrix(&h, r, n, all, untraced);
     for (int i = 0; i < n; i++)
         put_case(&h, &r[i]);
     why = html_end(&h);
