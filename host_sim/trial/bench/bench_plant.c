@@ -4,16 +4,15 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/afm/afm_plant.h"
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
-#include "firmware/plant/hash.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
-#include "host_sim/scene/scene_keys.h"
 #include "host_sim/cli/selftest.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/live/fault_list.h"
+#include "host_sim/scene/scene_keys.h"
+#include "host_sim/trial/bench/bench_microscope.h"
 #include "host_sim/trial/trial_at.h"
 
 /* ---- set-up ---- */
@@ -26,72 +25,17 @@ static void put(struct scene_app *s, unsigned index, double value)
         s->setting[index - SETTING_FIRST] = value;
 }
 
-static const unsigned ticks_index = AFM_PLANT_NUMBERS + STATION_TICKS;
-
-static double ticks_in_sets(const struct trial_plant *p, double ticks)
-{
-    for (int i = 0; i < p->n; i++)
-        ticks = p->set[i].index == ticks_index ? p->set[i].value : ticks;
-    return ticks;
-}
-
-/* Ticks of a microscope's sample as [plant] says; without a bus also as the case says. */
-static double ticks_of(const struct trial *t, const struct trial_case *c, const double *varied)
-{
-    double ticks = ticks_in_sets(&t->plant, station_number[STATION_TICKS].initial);
-    if (!t->loops)
-        return ticks;
-    return varied && c->varied == (int)ticks_index ? *varied : ticks_in_sets(&c->plant, ticks);
-}
-
-/* The scene of the file, or with a microscope around it. */
-static bool find_scene(struct scene_app *s, const struct trial *t, double ticks, char *why)
+static bool make(struct scene_app *s, const struct trial *t, const struct trial_case *c, const double *varied,
+                 char *why)
 {
     char path[BENCH_PATH];
     bench_scene_path(t->file, t->scene_name, path);
-    if (!t->is_microscope)
-        return scene_init(s, path, why);
-    memset(s, 0, sizeof *s);
-    s->origin = SCENE_OF_FILE;
-    scene_around_lever(&t->lever, ticks, &s->scene);
-    scene_app_configure(s);
-    return true;
-}
-
-/* The frame, by [plant] and the case. A microscope's lever keeps its pace; without a bus a frame is a sample.
- */
-static bool set_pace(struct scene_app *s, const struct trial *t, const struct trial_case *c, double ticks,
-                     char *why)
-{
-    double sample_s = s->config.frame_s / s->config.substeps;
+    if (!(t->is_microscope ? bench_microscope_make(s, t, c, varied, why) : scene_init(s, path, why)))
+        return false;
     if (c->plant.rate_Hz > 0.0)
         s->config.frame_s = 1.0 / c->plant.rate_Hz;
-    if (t->loops)
-        s->config.frame_s = sample_s = t->lever.frame_s / t->lever.substeps / t->lever.dilation * ticks;
-    while (t->loops && s->config.frame_s < 1e-6) /* no app has a shorter one */
-        s->config.frame_s *= 2.0;
-    double samples = round(s->config.frame_s / sample_s);
-    if (t->is_microscope && !(samples >= 1.0 && samples <= SCENE_SUBSTEPS_MAX)) {
-        snprintf(
-            why, TRIAL_REASON,
-            "a frame would have %.0f samples of %.3g us; 1 to %d are allowed: another rate, or other ticks",
-            samples, sample_s * 1e6, SCENE_SUBSTEPS_MAX);
-        return false;
-    }
-    if (t->is_microscope)
-        s->config.substeps = (uint32_t)samples;
     if (c->plant.substeps)
         s->config.substeps = c->plant.substeps;
-    return true;
-}
-
-static bool make(struct bench_plant *p, const struct trial *t, const struct trial_case *c,
-                 const double *varied, char *why)
-{
-    struct scene_app *s = &p->scene;
-    double ticks = ticks_of(t, c, varied);
-    if (!find_scene(s, t, ticks, why) || !set_pace(s, t, c, ticks, why))
-        return false;
     scene_app_default_settings(s);
     for (int i = 0; i < t->plant.n; i++)
         put(s, t->plant.set[i].index, t->plant.set[i].value);
@@ -120,7 +64,7 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
         staged_put(&staged, c->plant.set[i].index, c->plant.set[i].value);
     if (varied)
         staged_put(&staged, (unsigned)c->varied, *varied);
-    if (scene_is_microscope(a->plant.model) && p->seed > 1)
+    if (p->see == &trial_afm_view && p->seed > 1)
         staged_put(&staged, LEVER_SEED,
                    (staged_has(&staged, LEVER_SEED) ? staged.value : a->plant.si)[LEVER_SEED] +
                        (p->seed - 1.0));
@@ -140,21 +84,11 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
     return true;
 }
 
-void bench_plant_read_afm(const struct bench_plant *p, double *value)
-{
-    const struct plant *pl = &p->scene.app.plant;
-    double in[AFM_PLANT_INPUTS];
-    for (int i = 0; i < AFM_PLANT_INPUTS; i++)
-        in[i] = pl->drive[i].sample * scale_of(&pl->scale, pl->model->input_signal[i].quantity);
-    const struct microscope_in commands = {in[0], in[1], in[2], in[3]};
-    trial_afm_read(afm_plant_station(pl->scratch), &commands, value);
-}
-
 /* Tells the readers a sample of a microscope. */
 static void tell_sample(struct bench_plant *p, const struct plant *pl)
 {
     double value[METRIC_SIGNALS];
-    bench_plant_read_afm(p, value);
+    bench_microscope_read(pl, value);
     for (int k = 0; k < p->n_readers; k++)
         measurement_tick(p->reader[k], pl->now.tick, value);
 }
@@ -231,7 +165,7 @@ static void observe(void *observer, const struct plant *pl)
 static void observe_microscope(void *observer, const struct plant *pl)
 {
     struct bench_plant *p = observer;
-    trial_afm_watch(&p->contact, afm_plant_station(pl->scratch), pl->now.tick, p->measurement, p->n);
+    trial_afm_watch(&p->contact, bench_microscope_station(pl), pl->now.tick, p->measurement, p->n);
     if (p->n_readers)
         tell_sample(p, pl);
 }
@@ -251,11 +185,11 @@ bool bench_plant_open(struct bench_plant *p, const struct trial *t, const struct
                       const double *varied, char *why)
 {
     p->c = c;
-    p->see = t->is_microscope ? &trial_afm_view : t->scene.model;
+    p->see = t->scene.model;
     p->loops = t->loops;
-    if (!make(p, t, c, varied, why))
+    if (!make(&p->scene, t, c, varied, why))
         return false;
-    p->scene.config.observe = t->is_microscope ? observe_microscope : observe;
+    p->scene.config.observe = p->see == &trial_afm_view ? observe_microscope : observe;
     p->scene.config.observer = p;
     if (!scene_start(&p->scene, NULL, why))
         return false;
@@ -298,19 +232,6 @@ static bool act_fits(const struct plant *pl, const struct trial_act *act, char *
 
 /* ---- what happens ---- */
 
-/* NULL, or why a microscope's own loops cannot go on with this set: it would put another instrument in. */
-static const char *check_instrument(const struct plant *pl, const struct staged *set, char *subject)
-{
-    double number[STATION_NUMBERS];
-    for (unsigned i = 0; i < STATION_NUMBERS; i++)
-        number[i] = (staged_has(set, AFM_PLANT_NUMBERS + i) ? set->value : pl->si)[AFM_PLANT_NUMBERS + i];
-    int fixed = station_fixed(afm_plant_station(pl->scratch), number);
-    if (fixed < 0)
-        return NULL;
-    snprintf(subject, SCENE_SUBJECT, "%s ", station_number[fixed].name);
-    return "cannot change while the microscope runs: give it at the beginning";
-}
-
 /* A set of values, as PARAM_COMMIT would apply it. */
 static bool apply_set(struct bench_plant *p, const struct trial_act *act, char *why)
 {
@@ -323,7 +244,7 @@ static bool apply_set(struct bench_plant *p, const struct trial_act *act, char *
     const char *reason = parameters_check(a, &staged);
     find_subject(a, &staged, subject);
     if (!reason && p->loops)
-        reason = check_instrument(&a->plant, &staged, subject);
+        reason = bench_microscope_check_set(&a->plant, &staged, subject);
     if (reason)
         snprintf(why, TRIAL_REASON, "set at %g s does not fit: %s%s", act->at_s, subject, reason);
     else
@@ -446,7 +367,7 @@ bool bench_approve(const struct trial *t, const struct trial_case *c, char *why)
     static const struct hal none = {0};
     char reason[SCENE_REASON];
     memset(&p, 0, sizeof p);
-    const char *refused = t->is_microscope ? trial_afm_refuse(c) : NULL;
+    const char *refused = t->scene.model == &trial_afm_view ? trial_afm_refuse(c) : NULL;
     snprintf(reason, sizeof reason, "%s", refused ? refused : "");
     bool good = !refused && bench_plant_open(&p, t, c, c->varied >= 0 ? &c->vary.to : NULL, reason);
     faults_init(&faults, &none, 1);
@@ -501,18 +422,14 @@ const char *bench_plant_state(const struct bench_plant *p)
     return name ? name : "?";
 }
 
-static uint64_t hash_of(const struct bench_plant *p)
-{
-    const struct plant *pl = &p->scene.app.plant;
-    if (!pl->model)
-        return 0;
-    return p->loops ? station_hash(afm_plant_station(pl->scratch), HASH_BEGIN) : plant_hash(pl);
-}
-
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r)
 {
     const struct plant *pl = &p->scene.app.plant;
-    const struct evidence e = {p->see, plant_time(pl), hash_of(p), p->faults, p->scene.app.count};
+    const struct evidence e = {p->see, plant_time(pl),
+                               !pl->model ? 0
+                               : p->loops ? bench_microscope_hash(pl)
+                                          : plant_hash(pl),
+                               p->faults, p->scene.app.count};
     verdict_judge(&e, c, p->measurement, p->n_judged, r);
     for (int i = p->n_judged; i < p->n; i++)
         measurement_end(&p->measurement[i], e.now_s, 0, &r->truth[i - p->n_judged]);

@@ -47,9 +47,6 @@ void bench_plant_frame(struct bench_plant *p, const struct bench_link *l);
 /* The plant's state by name. */
 const char *bench_plant_state(const struct bench_plant *p);
 
-/* Values of all signals of a microscope now, SI. */
-void bench_plant_read_afm(const struct bench_plant *p, double *value);
-
 /* Outcomes, verdict and hash into *r. */
 void bench_plant_judge(struct bench_plant *p, const struct trial_case *c, struct bench_result *r);
 

@@ -5,11 +5,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/afm/afm_plant.h"
-#include "firmware/plant/hash.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/ticks.h"
+#include "host_sim/trial/bench/bench_microscope.h"
 #include "host_sim/trial/bench/bench_plant.h"
 #include "host_sim/trial/bench/controller.h"
 
@@ -85,7 +84,7 @@ static void put_row(struct loops *b)
     double value[METRIC_SIGNALS];
     if (!b->log || pl->now.tick % b->log_every)
         return;
-    bench_plant_read_afm(&b->plant, value);
+    bench_microscope_read(pl, value);
     fprintf(b->log, "%.9g", plant_time(pl));
     for (int i = 0; i <= VIEW_OUTPUTS + VIEW_INPUTS; i++)
         fprintf(b->log, ",%.9g", value[i]);
