@@ -70,7 +70,7 @@ help: ## this list
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-g for a debugger, EXTRA=-fsanitize=address,undefined WERROR=-Werror; others beside their target"
 
 # -O1 takes two thirds of the time. At -O2 is what computes, or is called at every tick, and what measures that.
-AT_O2 := host_sim/batch/% host_sim/afm/% host_sim/library/% host_sim/simulate/% tests/bench/%
+AT_O2 := host_sim/batch/% host_sim/afm/% host_sim/fit/% host_sim/library/% host_sim/simulate/% tests/bench/%
 $(call obj,$(filter-out $(AT_O2),$(HOST_SRC) $(TEST_SRC))): OPT = -O1
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
 $(call obj,$(BATCH_SRC) tests/unit/batch/test_batch_series.c): FLAGS += -Wno-psabi
@@ -138,6 +138,11 @@ $(BUILD)/choose_levers: $(call obj,$(call test_src,choose_levers choose_judge ch
 	$(link)
 $(BUILD)/choose_grid: $(call obj,$(call test_src,choose_grid choose_draw choose_judge)) $(HOST_LIB) $(LIB)
 	$(link)
+$(BUILD)/rig_curves: $(call obj,tests/fit/rig_curves.c)
+	$(link)
+# Fits against rigs of another integrator, about five minutes.
+fits: $(BUILD)/contactplant $(BUILD)/rig_curves ## intervals of 200 noises and 100 random rigs by contactplant fit
+	@$(PYTHON) tests/fit/judge_fits.py $(BUILD)/contactplant $(BUILD)/rig_curves 200 100
 $(BUILD)/tolerance_scenes: $(call obj,$(call test_src,tolerance_scenes tolerance_force tolerance_draw extrapolation exact)) $(LIB)
 	$(link)
 $(BUILD)/choose_one: $(BUILD)/tests/choose/choose_one.o $(HOST_LIB) $(LIB)
@@ -326,7 +331,7 @@ include tests/papers/papers.mk
 include tests/eva/eva.mk
 
 # What is a program: everything with a main, on this machine, on boards, under libFuzzer.
-PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_levers choose_grid choose_one tolerance_scenes hash_print \
+PROGRAMS = contactplant importer unit runner_cases sizes dbc_vectors test_socketcan flood worst choose_scenes choose_levers choose_grid choose_one tolerance_scenes rig_curves hash_print \
            instructions costs new_model test_board can_session test_board_can bench_frame bench_microscope bench_batch bench_lockstep bench_plants peers float32 rate_host ledger_rules \
            $(PHYSICS:%=physics_%) $(AFM_CHARTS) $(PAPERS:%=papers_%) $(FUZZ:%=corpus_%)
 programs: $(PROGRAMS:%=$(BUILD)/%)
@@ -339,6 +344,6 @@ build-all: programs ## every program of this Makefile, images and fuzz targets t
 # Of this build and board: builds in folders of their own lie in the same one.
 -include $(wildcard $(patsubst %.c,$(BUILD)/%.d,$(CORE_SRC) $(HAL_SRC) $(TARGET_ONLY) $(HOST_SRC) $(TEST_SRC) $(wildcard linker/*.c)) \
     $(WITH_ROW:.o=.d) $(patsubst %.c,$(FW)/%.d,$(CORE_SRC) $(call files,hal) $(TEST_SRC) $(wildcard linker/*.c) firmware/main.c))
-.PHONY: all help run unit test test-all trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
+.PHONY: all help run unit fits test test-all trial-seeds costs check programs build-all short bench tolerance sweep-grids choose-seeds charts test-can test-can-vm test-boards test-boards-bits clean charts-sweeps mutation mutation-compiler mutation-objects maps soak bench-flood bench-lockstep bench-plants bench-scope coverage misra
 # Kept, though only a pattern names them. Not .SECONDARY: with it an object that is missing was not made again.
 .PRECIOUS: $(BUILD)/%.o $(FW)/%.o $(FW)/%.elf

@@ -284,6 +284,7 @@ more compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
 more compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
+more compute "fits of 200 noises and 100 random rigs" /usr/bin/python3 tests/fit/judge_fits.py build/contactplant build/rig_curves 200 100 build/asan/contactplant
 more compute "costs that choose states, against whole runs" tests/choose/test_choose_cost.sh build/contactplant build/choose_one
 more compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 

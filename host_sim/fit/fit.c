@@ -10,8 +10,12 @@
 static const struct option fit_options[] = {
     {"sweep", "FILE", "a measured response curve, or rows of contactplant sweep; repeatable", OPTION_READS,
      .many = true},
+    {"ring", "FILE", "a free motion of the rig: time and displacement; repeatable", OPTION_READS,
+     .many = true},
+    {"series", "FILE", "a motion under a drive: time, displacement and force; repeatable", OPTION_READS,
+     .many = true},
     {"free", "NAME,..",
-     "the unknowns: numbers of the plant, gain.force, gain.sensor, delay (all numbers of the plant)",
+     "the unknowns: numbers of the plant, gain.force, gain.sensor, delay, offset (all numbers of the plant)",
      OPTION_TEXT, .initial = NULL},
     {"hold", "NAME=VALUE", "a number that is known, with its unit; repeatable", OPTION_TEXT, .many = true},
     {"out", "FILE", "the fitted scene, with the intervals as comments", OPTION_WRITES, .initial = NULL},
@@ -22,13 +26,15 @@ static const struct option fit_options[] = {
 static const struct usage fit_usage = {
     .name = "fit",
     .words = "SCENE",
-    .summary = "Finds the numbers of a scene from response curves of the rig: value, intervals of 68 and 95 "
+    .summary = "Finds the numbers of a scene from measurements of the rig: value, intervals of 68 and 95 "
                "%, and what\n"
                "the data give only together. A fit that cannot be believed is refused with its reasons, and "
                "status 1.",
     .words_help = "SCENE is a scene file or preset; its numbers are where the fit starts.\n",
     .examples = "  contactplant fit rig.ini --sweep small.csv --sweep large.csv --out fitted.ini\n"
                 "  contactplant fit rig.ini --sweep small.csv --hold \"preload=64 N\"\n"
+                "  contactplant fit rig.ini --ring decay.csv --free stiffness,preload,damping --hold "
+                "\"mass=6.1 kg\"\n"
                 "  contactplant fit rig.ini --sweep small.csv --free mass,stiffness,damping,delay\n",
     .min_words = 1,
     .max_words = 1,

@@ -9,21 +9,31 @@
 #define HOST_SIM_FIT_FIT_H
 
 #include "host_sim/fit/data/curve.h"
-#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/data/record.h"
+#include "host_sim/fit/solve/matrix.h"
 #include "host_sim/fit/motion/follow.h"
 #include "host_sim/scene/scene_range.h"
 
-enum { FIT_UNKNOWNS = 10, FIT_STARTS = 8, FIT_NAME = 64 };
+enum { FIT_UNKNOWNS = 14, FIT_STARTS = 8, FIT_NAME = 64 };
 
-enum fit_kind { FIT_PARAMETER, FIT_GAIN_FORCE, FIT_GAIN_SENSOR, FIT_DELAY };
+/* From FIT_DELAY on they are fitted as they are, the others in logarithms. */
+enum fit_kind {
+    FIT_PARAMETER,
+    FIT_GAIN_FORCE,
+    FIT_GAIN_SENSOR,
+    FIT_DELAY,
+    FIT_OFFSET,
+    FIT_POSITION, /* in which a record begins, from rest */
+    FIT_VELOCITY
+};
 
 struct fit_unknown {
     enum fit_kind kind;
-    int index; /* number of the SI parameter */
+    int index; /* number of the SI parameter, or of the record */
     char name[FIT_NAME];
     const char *unit;
     double min, max, start; /* SI */
-    double unit_of_u;       /* a delay is u times this; other values are e^u */
+    double unit_of_u;       /* from FIT_DELAY on a value is u times this; others are e^u */
 };
 
 struct fit_point {
@@ -37,13 +47,17 @@ struct fit_setup {
     struct scene scene;
     const char *name; /* name of the scene */
     struct curves data;
-    int n; /* unknowns */
+    uint32_t crc; /* CRC-32 of the data files, one behind the other */
+    struct records records;
+    bool only_starts; /* only the unknowns of records move */
+    int n;            /* unknowns */
     struct fit_unknown unknown[FIT_UNKNOWNS];
     struct orbit_task task;
     bool noise_known;
     int n_active; /* curves that count, the smallest drives first */
     int n_residuals;
     struct fit_point *point[CURVES]; /* [curve.n], of the last residuals */
+    bool smooth[CURVES];             /* there is no jump in them, and they may go on from there */
     double told_s, begun_s;          /* progress */
 };
 
@@ -51,8 +65,10 @@ struct fit_setup {
 int fit_read(struct fit_setup *s);
 void fit_free(struct fit_setup *s);
 
-/* The unknown's value where it is u, and back. */
-double fit_value(const struct fit_unknown *k, double u);
-double fit_u(const struct fit_unknown *k, double value);
+/* It belongs to a record, and is not told. */
+static inline bool fit_is_hidden(const struct fit_unknown *k)
+{
+    return k->kind >= FIT_POSITION;
+}
 
 #endif

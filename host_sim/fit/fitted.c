@@ -1,5 +1,6 @@
 /* fitted.c - see fitted.h. */
 #include "host_sim/fit/fitted.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <string.h>
 #include "host_sim/commands.h"
@@ -14,9 +15,9 @@ static void put_interval(const struct fit_setup *s, const struct fit_result *r, 
     const struct fit_unknown *x = &s->unknown[k];
     double reach = judge_quantile(s, r, true) * r->sd[k];
     char low[UNIT_TEXT], high[UNIT_TEXT], value[UNIT_TEXT];
-    tell_value(x, fit_value(x, r->u[k]), r->sd[k], value);
-    tell_value(x, fit_value(x, r->u[k] - reach), r->sd[k], low);
-    tell_value(x, fit_value(x, r->u[k] + reach), r->sd[k], high);
+    tell_value(x, unknown_value(x, r->u[k]), r->sd[k], value);
+    tell_value(x, unknown_value(x, r->u[k] - reach), r->sd[k], low);
+    tell_value(x, unknown_value(x, r->u[k] + reach), r->sd[k], high);
     fprintf(f, strcmp(low, high) ? "# %s = %s, 95 %% from %s to %s\n" : "# %s = %s\n", x->name, value, low,
             high);
 }
@@ -27,7 +28,7 @@ static void put_comments(const struct fit_setup *s, const struct fit_result *r, 
     for (int c = 0; c < s->data.n; c++)
         fprintf(f, "# data: %.100s, drive %.6g %s\n", s->data.curve[c].path, s->data.curve[c].amplitude,
                 s->scene.model->input_signal[s->data.curve[c].input].unit);
-    fprintf(f, "# CRC-32 of the data files in the order of the command: %08x\n", s->data.crc);
+    fprintf(f, "# CRC-32 of the data files in the order of the command: %08x\n", s->crc);
     for (int k = 0; k < s->n; k++)
         put_interval(s, r, k, f);
     fprintf(f, "# chi^2 per number: %.3g\n", j->chi2_each);
@@ -45,7 +46,7 @@ int fitted_write(const struct fit_setup *s, const struct fit_result *r, const st
         return STATUS_FAILED;
     for (int k = 0; k < s->n; k++)
         if (s->unknown[k].kind == FIT_PARAMETER)
-            scene.value[s->unknown[k].index] = fit_value(&s->unknown[k], r->u[k]);
+            scene.value[s->unknown[k].index] = unknown_value(&s->unknown[k], r->u[k]);
     put_comments(s, r, j, f);
     snprintf(title, sizeof title, "%.100s, fitted by contactplant fit", s->name);
     scene_print(f, title, &scene);

@@ -1,11 +1,13 @@
 /* judge.c - see judge.h. */
 #include "host_sim/fit/judge.h"
+#include "host_sim/fit/solve/problem_curves.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
-#include "host_sim/fit/problem.h"
-#include "host_sim/cli/unit.h"
+#include "host_sim/fit/solve/problem.h"
+#include "host_sim/fit/sequence.h"
 
 static const double chi2_most = 4.0;
 static const double far = 10.0; /* standard deviations: a point beside a jump that is on its other side */
@@ -40,14 +42,14 @@ struct runs {
     int runs, positive, negative;
 };
 
-/* The signs of the real (k 0) or imaginary parts along a curve; points that do not count are passed over. */
-static struct runs runs_of(const struct fit_setup *s, int c, int k, const double *r)
+/* The signs along a sequence; numbers that do not count are passed over. */
+static struct runs runs_of(const struct fit_setup *s, const struct sequence *e, const double *r)
 {
     struct runs t = {0};
     bool was = false;
-    for (int i = 0; i < s->data.curve[c].n; i++) {
-        bool up = r[2 * i + k] > 0.0;
-        if (s->point[c][i].flank)
+    for (int i = 0; i < e->n; i++) {
+        bool up = r[e->first + i * e->step] > 0.0;
+        if (!sequence_counts(s, e, i))
             continue;
         t.runs += t.positive + t.negative == 0 || up != was;
         t.positive += up;
@@ -61,31 +63,29 @@ static struct runs runs_of(const struct fit_setup *s, int c, int k, const double
 static double count_runs(const struct fit_setup *s, const double *r)
 {
     double expected = 0.0, variance = 0.0;
+    struct sequence e;
     int seen = 0;
-    for (int c = 0; c < s->data.n; r += 2 * s->data.curve[c].n, c++)
-        for (int k = 0; k < (s->data.curve[c].has_phase ? 2 : 1); k++) {
-            struct runs t = runs_of(s, c, k, r);
-            double a = t.positive, b = t.negative, n = a + b;
-            if (n < 2.0)
-                continue;
-            expected += 2.0 * a * b / n + 1.0;
-            variance += fmax(2.0 * a * b * (2.0 * a * b - n) / (n * n * (n - 1.0)), 0.0);
-            seen += t.runs;
-        }
+    for (int q = 0; sequence_nth(s, q, &e); q++) {
+        struct runs t = runs_of(s, &e, r);
+        double a = t.positive, b = t.negative, n = a + b;
+        if (n < 2.0)
+            continue;
+        expected += 2.0 * a * b / n + 1.0;
+        variance += fmax(2.0 * a * b * (2.0 * a * b - n) / (n * n * (n - 1.0)), 0.0);
+        seen += t.runs;
+    }
     return variance > 0.0 ? (seen - expected) / sqrt(variance) : 0.0;
 }
 
 static void find_worst(const struct fit_setup *s, const double *r, struct judged *j)
 {
-    for (int c = 0; c < s->data.n; c++)
-        for (int i = 0; i < s->data.curve[c].n; i++, r += 2) {
-            double size = fmax(fabs(r[0]), fabs(r[1]));
-            if (size > j->worst) {
-                j->worst = size;
-                j->worst_curve = c;
-                j->worst_point = i;
+    struct sequence e;
+    for (int q = 0; sequence_nth(s, q, &e); q++)
+        for (int i = 0; i < e.n; i++)
+            if (fabs(r[e.first + i * e.step]) > j->worst) {
+                j->worst = fabs(r[e.first + i * e.step]);
+                sequence_name(s, &e, i, j->worst_at, sizeof j->worst_at);
             }
-        }
 }
 
 static void judge_residuals(struct fit_setup *s, const struct fit_result *r, struct judged *j)
@@ -126,7 +126,7 @@ static void judge_residuals(struct fit_setup *s, const struct fit_result *r, str
 static bool astray(const struct fit_setup *s, const struct fit_result *r, int c, int i)
 {
     const struct fit_point *p = &s->point[c][i];
-    return p->other || (p->flank && problem_miss(s, r->u, &s->data.curve[c], i, &p->at) > far);
+    return p->other || (p->flank && problem_curves_miss(s, r->u, &s->data.curve[c], i, &p->at) > far);
 }
 
 /* One such point beside a jump is told; more are refused. */
@@ -159,8 +159,10 @@ static void judge_bounds(const struct fit_setup *s, const struct fit_result *r, 
     double wide = judge_quantile(s, r, true);
     for (int k = 0; k < s->n; k++) {
         const struct fit_unknown *x = &s->unknown[k];
+        if (fit_is_hidden(x))
+            continue;
         double low = r->u[k] - wide * r->sd[k], high = r->u[k] + wide * r->sd[k];
-        double least = fit_u(x, x->min), most = fit_u(x, x->max);
+        double least = unknown_u(x, x->min), most = unknown_u(x, x->max);
         if (low <= least || high >= most)
             add(&j->n, j->reason,
                 "the interval of %s reaches the bound of its range, %g to %g%s%s: the data do not tell it",

@@ -11,9 +11,9 @@ struct judged {
     double chi2_each; /* chi^2 over numbers less unknowns */
     double
         runs; /* runs of equal signs: how many standard deviations above what chance gives; below 0: fewer */
-    double worst; /* the largest residual, in standard deviations */
-    int worst_curve, worst_point;
-    int n; /* reasons why the fit is refused */
+    double worst;              /* the largest residual, in standard deviations */
+    char worst_at[JUDGE_TEXT]; /* its place */
+    int n;                     /* reasons why the fit is refused */
     char reason[JUDGE_REASONS][JUDGE_TEXT];
     int n_notes; /* notes that are told, and refuses nothing */
     char note[JUDGE_REASONS][JUDGE_TEXT];

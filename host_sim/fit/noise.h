@@ -13,8 +13,8 @@
 /* Points without a standard deviation get NOISE_ASSUMED of their amplitude; s->noise_known. */
 void noise_assume(struct fit_setup *s);
 
-/* Where the noise is not known: puts what residuals r[s->n_residuals] say in the place of what was assumed.
- * Returns the factor. */
-double noise_estimate(struct fit_setup *s, const double *r);
+/* Where the noise is not known: puts what residuals r[s->n_residuals] say in the place of what was assumed,
+ * for each curve and record by itself. */
+void noise_estimate(struct fit_setup *s, const double *r);
 
 #endif

@@ -1,10 +1,11 @@
 /* plan.c - see plan.h. */
 #include "host_sim/fit/plan.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "host_sim/fit/problem.h"
+#include "host_sim/fit/solve/problem.h"
 
 /* Data on that curve: what the plant gives at r->u, with this noise. */
 static bool fill(struct fit_setup *s, const struct fit_result *r, double noise)
@@ -18,7 +19,7 @@ static bool fill(struct fit_setup *s, const struct fit_result *r, double noise)
         struct follow_point *at = &s->point[0][i].at;
         good = at->found;
         double re = at->orbit.re, im = at->orbit.im;
-        problem_measure(s, r->u, c->point[i].frequency_Hz, &re, &im);
+        unknown_measure(s, r->u, c->point[i].frequency_Hz, &re, &im);
         c->point[i].re = re;
         c->point[i].im = im;
         c->point[i].sigma = noise * sqrt(re * re + im * im);
@@ -70,6 +71,8 @@ bool plan_further(struct fit_setup *s, const struct fit_result *r, int c, double
     curve->point = calloc((size_t)curve->n, sizeof *curve->point);
     further.point[0] = calloc((size_t)curve->n, sizeof *further.point[0]);
     further.data.n = further.n_active = 1;
+    further.records.n = 0;
+    further.smooth[0] = false;
     further.n_residuals = 2 * curve->n;
     double *a = calloc((size_t)(2 * curve->n * s->n), sizeof *a);
     bool good = curve->point && further.point[0] && a;

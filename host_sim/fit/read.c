@@ -1,11 +1,12 @@
 /* read.c - the command line of contactplant fit: scene, data, unknowns. */
 #include "host_sim/fit/fit.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/fit/noise.h"
-#include "host_sim/fit/problem.h"
+#include "host_sim/fit/solve/problem.h"
 #include "host_sim/scene/scene_load.h"
 #include "models/math/elementary.h"
 
@@ -21,6 +22,7 @@ static const struct chain_unknown {
     {"gain.force", "", FIT_GAIN_FORCE, 1e-3, 1e3, 1.0},
     {"gain.sensor", "", FIT_GAIN_SENSOR, 1e-3, 1e3, 1.0},
     {"delay", "s", FIT_DELAY, -1.0, 1.0, 0.0},
+    {"offset", "", FIT_OFFSET, -1e12, 1e12, 0.0},
 };
 enum { CHAIN = sizeof chain / sizeof chain[0] };
 
@@ -89,16 +91,22 @@ static int add_parameter(struct fit_setup *s, const struct scene_range *r, int i
     return add_unknown(s, &k);
 }
 
+/* A radian of the middle of the smallest curve; an offset in units of the first record's motion. */
 static int add_chain(struct fit_setup *s, const struct chain_unknown *c)
 {
+    struct fit_unknown k = {
+        .kind = c->kind, .unit = c->unit, .min = c->min, .max = c->max, .start = c->start, .unit_of_u = 1.0};
     const struct curve *smallest = &s->data.curve[0];
-    double middle = smallest->point[smallest->n / 2].frequency_Hz;
-    struct fit_unknown k = {.kind = c->kind,
-                            .unit = c->unit,
-                            .min = c->min,
-                            .max = c->max,
-                            .start = c->start,
-                            .unit_of_u = 1.0 / (2.0 * ELEMENTARY_PI * middle)};
+    if (c->kind == FIT_DELAY && !s->data.n)
+        return misuse(s, "delay is told by response curves alone; give --sweep, or take it out of --free");
+    if (c->kind == FIT_OFFSET && !s->records.n)
+        return misuse(s, "offset is told by records alone; give --ring, or take it out of --free");
+    if (c->kind == FIT_DELAY)
+        k.unit_of_u = 1.0 / (2.0 * ELEMENTARY_PI * smallest->point[smallest->n / 2].frequency_Hz);
+    if (c->kind == FIT_OFFSET) {
+        k.unit_of_u = s->records.record[0].size;
+        k.unit = s->scene.model->output_signal[s->records.record[0].output].unit;
+    }
     snprintf(k.name, sizeof k.name, "%s", c->name);
     return add_unknown(s, &k);
 }
@@ -168,6 +176,31 @@ static int read_held(struct fit_setup *s, bool *held)
     return status;
 }
 
+/* The state in which each record begins: from rest, as large as its motion. */
+static int add_starts(struct fit_setup *s)
+{
+    double p[MODEL_DERIVED];
+    struct scale scale;
+    s->scene.model->prepare(s->scene.value, p, &scale);
+    double rate = s->scene.model->eigenfrequency(p) / scale.time_s;
+    int status = 0;
+    for (int i = 0; i < s->records.n && !status; i++) {
+        const struct record *r = &s->records.record[i];
+        enum quantity q = s->scene.model->output_signal[r->output].quantity;
+        double length = q == QUANTITY_VELOCITY ? r->size / rate
+                        : q == QUANTITY_LENGTH ? r->size
+                                               : r->size * scale.length_m / scale.force_N;
+        for (int v = 0; v < 2 && !status; v++) {
+            struct fit_unknown k = {
+                .kind = v ? FIT_VELOCITY : FIT_POSITION, .index = i, .unit = "", .min = -1e12, .max = 1e12};
+            k.unit_of_u = v ? length * rate : length;
+            snprintf(k.name, sizeof k.name, "%s of record %d", v ? "velocity" : "position", i + 1);
+            status = add_unknown(s, &k);
+        }
+    }
+    return status;
+}
+
 static int read_unknowns(struct fit_setup *s)
 {
     bool held[MODEL_PARAMETERS] = {false};
@@ -177,7 +210,7 @@ static int read_unknowns(struct fit_setup *s)
     status = options_given(&s->o, "free") ? read_free(s, held) : free_all(s, held);
     if (!status && !s->n)
         return misuse(s, "nothing is unknown: every number is held");
-    return status;
+    return status ? status : add_starts(s);
 }
 
 /* ---- data ---- */
@@ -195,13 +228,21 @@ static void sort_curves(struct curves *c)
 
 static int read_data(struct fit_setup *s)
 {
-    int n = options_count(&s->o, "sweep"), status = 0;
-    if (!n)
-        return misuse(s, "no data: give a response curve, --sweep FILE");
-    for (int i = 0; i < n && !status; i++)
-        status = curves_read(s->o.usage, options_text(&s->o, "sweep", i), &s->scene, &s->data);
+    const struct usage *u = s->o.usage;
+    int status = 0;
+    for (int i = 0; i < options_count(&s->o, "sweep") && !status; i++)
+        status = curves_read(u, options_text(&s->o, "sweep", i), &s->scene, &s->crc, &s->data);
+    for (int i = 0; i < options_count(&s->o, "ring") && !status; i++)
+        status = records_read(u, options_text(&s->o, "ring", i), &s->scene, false, &s->crc, &s->records);
+    for (int i = 0; i < options_count(&s->o, "series") && !status; i++)
+        status = records_read(u, options_text(&s->o, "series", i), &s->scene, true, &s->crc, &s->records);
     if (status)
         return status;
+    if (!s->data.n && !s->records.n)
+        return misuse(
+            s, "no data: give a response curve, --sweep FILE, or a record, --ring FILE or --series FILE");
+    if (s->records.n && s->scene.model->n_states != 2)
+        return misuse(s, "records are taken of models with one degree of freedom; give response curves");
     sort_curves(&s->data);
     noise_assume(s);
     return 0;
@@ -218,6 +259,10 @@ static int make_room(struct fit_setup *s)
         if (!s->point[c])
             return options_failure(s->o.usage, "out of memory");
     }
+    for (int i = 0; i < s->records.n; i++) {
+        s->n_residuals += s->records.record[i].n;
+        numbers += s->records.record[i].n;
+    }
     if (numbers <= s->n)
         return misuse(s, "%d numbers for %d unknowns: measure more points, or hold some unknowns", numbers,
                       s->n);
@@ -232,10 +277,10 @@ static int check_start(struct fit_setup *s)
     struct harmonic drive[MODEL_INPUTS];
     scenes_resolve(&s->scene, s->task.si, drive);
     for (int k = 0; k < s->n; k++)
-        u[k] = fit_u(&s->unknown[k], s->unknown[k].start);
+        u[k] = unknown_u(&s->unknown[k], s->unknown[k].start);
     for (int c = 0; c < s->data.n; c++) {
         const struct curve *curve = &s->data.curve[c];
-        (void)problem_task(s, c, u, &t);
+        (void)unknown_task(s, c, u, &t);
         for (int i = 0; i < 2; i++) {
             double frequency = curve->point[i ? curve->n - 1 : 0].frequency_Hz;
             const char *why = orbit_refused(&t, frequency);
@@ -261,5 +306,6 @@ void fit_free(struct fit_setup *s)
     for (int c = 0; c < s->data.n; c++)
         free(s->point[c]);
     curves_free(&s->data);
+    records_free(&s->records);
     free(s->task.scratch);
 }

@@ -4,14 +4,16 @@
  * free, for a rig the one that keeps its linear stiffness. Fits begin at the best places along this line, and
  * beside them. */
 #include "host_sim/fit/starts.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/clock.h"
 #include "host_sim/fit/noise.h"
-#include "host_sim/fit/problem.h"
+#include "host_sim/fit/solve/problem.h"
 #include "host_sim/fit/progress.h"
+#include "host_sim/fit/sequence.h"
 
 enum { LINE = 41, MINIMA = 4 };
 static const double line_most = 2.3; /* a factor of 10 */
@@ -27,8 +29,8 @@ static double weak_direction(struct fit_setup *s, const double *u, double *direc
 {
     struct problem p = {s, PROBLEM_LINEAR};
     double value[MATRIX_MAX], v[MATRIX_MAX][MATRIX_MAX], most = 0.0;
-    int m = 2 * s->data.curve[0].n, n = s->n;
-    double *a = calloc((size_t)m * (size_t)n, sizeof *a);
+    int m = problem_size(s, PROBLEM_LINEAR), n = s->n;
+    double *a = calloc((size_t)m * (size_t)n + 1, sizeof *a);
     if (!a)
         return 0.0;
     problem_slopes(&p, u, a);
@@ -50,6 +52,16 @@ static double weak_direction(struct fit_setup *s, const double *u, double *direc
     return fmin(line_most, fmax(line_least, value[weak] > 0.0 ? deviations / value[weak] : line_most));
 }
 
+/* The states in which records begin, for a plant that is given. */
+static void adjust_starts(struct fit_setup *s, double *u)
+{
+    int steps;
+    s->only_starts = true;
+    if (s->records.n)
+        (void)problem_solve(s, PROBLEM_RECORDS, u, &steps);
+    s->only_starts = false;
+}
+
 /* Up to MINIMA of the best places along the line, the best first, into place[]. Returns how many. */
 static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT_UNKNOWNS])
 {
@@ -61,6 +73,7 @@ static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT
     for (int i = 0; r && i < LINE; i++) {
         for (int k = 0; k < s->n; k++)
             at[i][k] = u[k] + reach * direction[k] * (2.0 * i / (LINE - 1) - 1.0);
+        adjust_starts(s, at[i]);
         cost[i] = clock_interrupted() ? HUGE_VAL : problem_residuals(&p, at[i], r);
         progress_tell(s, "looks for starts", i + 1, LINE);
     }
@@ -92,6 +105,19 @@ static void add_beside(const struct fit_setup *s, double (*place)[FIT_UNKNOWNS],
         }
 }
 
+/* The largest axis of the covariance of the unknowns that are told. */
+static void find_weak(const struct fit_setup *s, struct fit_result *r)
+{
+    double a[FIT_UNKNOWNS * FIT_UNKNOWNS], value[MATRIX_MAX], v[MATRIX_MAX][MATRIX_MAX];
+    for (int i = 0; i < s->n; i++)
+        for (int k = 0; k < s->n; k++)
+            a[i * s->n + k] =
+                fit_is_hidden(&s->unknown[i]) || fit_is_hidden(&s->unknown[k]) ? 0.0 : r->covariance[i][k];
+    matrix_singular(s->n, s->n, a, value, v);
+    for (int k = 0; k < s->n; k++)
+        r->weak[k] = v[k][0];
+}
+
 bool starts_spread(struct fit_setup *s, struct fit_result *r)
 {
     struct problem p = {s, PROBLEM_PLAIN};
@@ -109,6 +135,7 @@ bool starts_spread(struct fit_setup *s, struct fit_result *r)
         }
     for (int k = 0; k < s->n; k++)
         r->sd[k] = sqrt(r->covariance[k][k]);
+    find_weak(s, r);
     return true;
 }
 
@@ -137,7 +164,7 @@ static int came_by(const struct fit_setup *s, const struct ends *e, int i)
 static double fit_from(struct fit_setup *s, struct ends *e, int i, double (*place)[FIT_UNKNOWNS])
 {
     int steps, all = s->data.n;
-    for (s->n_active = all > 1 ? 2 : 1; s->n_active <= all; s->n_active++)
+    for (s->n_active = all < 2 ? all : 2; s->n_active <= all; s->n_active++)
         e->robust[i] = problem_solve(s, PROBLEM_ROBUST, place[i], &steps);
     s->n_active = all;
     memcpy(e->passed[i], place[i], sizeof e->passed[i]);
@@ -183,10 +210,14 @@ static bool look(struct fit_setup *s, struct fit_result *r)
 {
     struct problem p = {s, PROBLEM_PLAIN};
     double *residual = calloc((size_t)s->n_residuals + 1, sizeof *residual);
+    int steps;
     if (!residual)
         return false;
+    memset(s->smooth, 0, sizeof s->smooth);
     (void)problem_residuals(&p, r->u, residual);
-    (void)noise_estimate(s, residual);
+    noise_estimate(s, residual);
+    if (!s->noise_known)
+        (void)problem_solve(s, PROBLEM_PLAIN, r->u, &steps);
     r->chi2 = problem_residuals(&p, r->u, residual);
     free(residual);
     return starts_spread(s, r);
@@ -199,7 +230,7 @@ bool starts_fit(struct fit_setup *s, struct fit_result *r)
     int steps;
     *r = (struct fit_result){.chi2 = HUGE_VAL};
     for (int k = 0; k < s->n; k++)
-        u[k] = fit_u(&s->unknown[k], s->unknown[k].start);
+        u[k] = unknown_u(&s->unknown[k], s->unknown[k].start);
     s->n_active = s->data.n;
     (void)problem_solve(s, PROBLEM_LINEAR, u, &steps);
     int n = search_line(s, u, place);
@@ -216,8 +247,9 @@ bool starts_fit(struct fit_setup *s, struct fit_result *r)
     for (int i = 0; i < r->starts; i++)
         e.chi2[i] *= before > 0.0 ? r->chi2 / before : 1.0;
     compare_ends(s, r, place, e.chi2);
-    for (int c = 0; c < s->data.n; c++)
-        for (int i = 0; i < s->data.curve[c].n; i++)
-            r->n_numbers += s->point[c][i].flank ? 0 : s->data.curve[c].has_phase ? 2 : 1;
+    struct sequence q;
+    for (int k = 0; sequence_nth(s, k, &q); k++)
+        for (int i = 0; i < q.n; i++)
+            r->n_numbers += sequence_counts(s, &q, i);
     return true;
 }

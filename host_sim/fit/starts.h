@@ -12,6 +12,7 @@ struct fit_result {
     double s[MATRIX_MAX], v[MATRIX_MAX][MATRIX_MAX];
     double sd[FIT_UNKNOWNS]; /* standard deviation of u */
     double covariance[FIT_UNKNOWNS][FIT_UNKNOWNS];
+    double weak[FIT_UNKNOWNS]; /* the direction that is known least, of length 1; 0 for hidden unknowns */
     int starts, agree,
         worse; /* starts; that ended here; in a worse minimum. Others ended elsewhere, as well */
     bool interrupted;

@@ -1,12 +1,13 @@
 /* tell.c - see tell.h. */
 #include "host_sim/fit/tell.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/unit.h"
 #include "host_sim/fit/plan.h"
-#include "host_sim/fit/problem.h"
+#include "host_sim/fit/solve/problem.h"
 
 enum { POWER_MOST = 3, LEVELS = 3 };
 static const double told_most = 10.0; /* a wider interval says that nothing is known */
@@ -19,11 +20,11 @@ const char *tell_value(const struct fit_unknown *k, double value, double sd, cha
 {
     char rounded[UNIT_TEXT];
     int digits = 2;
-    if (k->kind != FIT_DELAY && sd >= told_most) {
+    if (k->kind < FIT_DELAY && sd >= told_most) {
         snprintf(text, UNIT_TEXT, "unknown");
         return text;
     }
-    for (double x = k->kind == FIT_DELAY ? sd * k->unit_of_u / fmax(fabs(value), 1e-300) : sd;
+    for (double x = k->kind >= FIT_DELAY ? sd * k->unit_of_u / fmax(fabs(value), 1e-300) : sd;
          x < 1.0 && digits < 9; x *= 10.0)
         digits++;
     snprintf(rounded, sizeof rounded, "%.*g", digits, value);
@@ -34,7 +35,7 @@ const char *tell_value(const struct fit_unknown *k, double value, double sd, cha
 const char *tell_width(const struct fit_unknown *k, double width, char *text)
 {
     char rounded[UNIT_TEXT];
-    if (k->kind == FIT_DELAY) {
+    if (k->kind >= FIT_DELAY) {
         snprintf(rounded, sizeof rounded, "%.2g", width * k->unit_of_u);
         unit_write(strtod(rounded, NULL), k->unit, text);
     } else {
@@ -50,8 +51,10 @@ static void tell_table(const struct fit_setup *s, const struct fit_result *r, FI
     fprintf(f, "  %-14s %-24s %-12s %-12s %s\n", "", "value", "68 %", "95 %", "start");
     for (int k = 0; k < s->n; k++) {
         const struct fit_unknown *x = &s->unknown[k];
+        if (fit_is_hidden(x))
+            continue;
         char value[UNIT_TEXT], narrow[UNIT_TEXT], wide[UNIT_TEXT], start[UNIT_TEXT], half[2][UNIT_TEXT + 4];
-        tell_value(x, fit_value(x, r->u[k]), r->sd[k], value);
+        tell_value(x, unknown_value(x, r->u[k]), r->sd[k], value);
         snprintf(half[0], sizeof half[0], "+- %s",
                  tell_width(x, judge_quantile(s, r, false) * r->sd[k], narrow));
         snprintf(half[1], sizeof half[1], "+- %s",
@@ -77,13 +80,12 @@ static double product_sd(const struct fit_setup *s, const struct fit_result *r, 
 /* The two unknowns that the weakest direction moves most. */
 static void find_pair(const struct fit_setup *s, const struct fit_result *r, int pair[2])
 {
-    int d = s->n - 1;
     pair[0] = pair[1] = -1;
     for (int k = 0; k < s->n; k++)
-        pair[0] = pair[0] < 0 || fabs(r->v[k][d]) > fabs(r->v[pair[0]][d]) ? k : pair[0];
+        pair[0] = pair[0] < 0 || fabs(r->weak[k]) > fabs(r->weak[pair[0]]) ? k : pair[0];
     for (int k = 0; k < s->n; k++)
         if (k != pair[0])
-            pair[1] = pair[1] < 0 || fabs(r->v[k][d]) > fabs(r->v[pair[1]][d]) ? k : pair[1];
+            pair[1] = pair[1] < 0 || fabs(r->weak[k]) > fabs(r->weak[pair[1]]) ? k : pair[1];
 }
 
 /* The power product of two unknowns that is known best. */
@@ -131,15 +133,15 @@ static void tell_together(const struct fit_setup *s, const struct fit_result *r,
 /* Every unknown that moves along the weakest direction, where more than two do. False: only two. */
 static bool tell_direction(const struct fit_setup *s, const struct fit_result *r, FILE *f)
 {
-    int d = s->n - 1, moved = 0;
+    int moved = 0;
     for (int k = 0; k < s->n; k++)
-        moved += fabs(r->v[k][d]) > share;
+        moved += fabs(r->weak[k]) > share;
     if (moved <= 2)
         return false;
     fprintf(f, "these data tell nothing of a common factor of");
     for (int k = 0, told = 0; k < s->n; k++)
-        if (fabs(r->v[k][d]) > share)
-            fprintf(f, "%s %s^%.2g", told++ ? "," : "", s->unknown[k].name, r->v[k][d]);
+        if (fabs(r->weak[k]) > share)
+            fprintf(f, "%s %s^%.2g", told++ ? "," : "", s->unknown[k].name, r->weak[k]);
     fprintf(f, "; hold one of them\n");
     return true;
 }
@@ -148,7 +150,8 @@ static double largest(const struct fit_setup *s, const double *sd)
 {
     double most = 0.0;
     for (int k = 0; k < s->n; k++)
-        most = fmax(most, sd[k]);
+        if (s->unknown[k].kind < FIT_DELAY)
+            most = fmax(most, sd[k]);
     return most;
 }
 
@@ -187,12 +190,10 @@ static void tell_plan(struct fit_setup *s, const struct fit_result *r, FILE *f)
 static void tell_residuals(const struct fit_setup *s, const struct fit_result *r, const struct judged *j,
                            FILE *f)
 {
-    const struct curve *c = &s->data.curve[j->worst_curve];
-    const struct curve_point *p = &c->point[j->worst_point];
     fprintf(f,
-            "chi^2 per number %.3g, of %d numbers; runs %+.1f; worst point %s:%d, %.6g Hz: %.1f standard "
+            "chi^2 per number %.3g, of %d numbers; runs %+.1f; worst point %s: %.1f standard "
             "deviations\n",
-            j->chi2_each, r->n_numbers, j->runs, c->path, p->line, p->frequency_Hz, j->worst);
+            j->chi2_each, r->n_numbers, j->runs, j->worst_at, j->worst);
     if (!s->noise_known)
         fprintf(f, "the data do not say their noise: it is taken from how neighbouring points differ\n");
     fprintf(f, "%d of %d starts end here%s\n", r->agree, r->starts,
@@ -201,14 +202,19 @@ static void tell_residuals(const struct fit_setup *s, const struct fit_result *r
 
 void tell_fit(struct fit_setup *s, const struct fit_result *r, const struct judged *j, FILE *f)
 {
-    fprintf(f, "%s: %d unknown%s, %d curve%s\n", s->name, s->n, s->n > 1 ? "s" : "", s->data.n,
-            s->data.n > 1 ? "s" : "");
+    int hidden = 0;
+    for (int k = 0; k < s->n; k++)
+        hidden += fit_is_hidden(&s->unknown[k]);
+    fprintf(f, "%s: %d unknown%s, %d curve%s, %d record%s\n", s->name, s->n - hidden,
+            s->n - hidden > 1 ? "s" : "", s->data.n, s->data.n == 1 ? "" : "s", s->records.n,
+            s->records.n == 1 ? "" : "s");
     tell_table(s, r, f);
     tell_residuals(s, r, j, f);
-    if (s->n > 1 && largest(s, r->sd) > weak) {
+    if (s->n - hidden > 1 && largest(s, r->sd) > weak) {
         if (!tell_direction(s, r, f))
             tell_together(s, r, f);
-        tell_plan(s, r, f);
+        if (s->data.n)
+            tell_plan(s, r, f);
     }
     for (int i = 0; i < j->n_notes; i++)
         fprintf(f, "note: %s\n", j->note[i]);

@@ -4,6 +4,7 @@ only together, every refusal, and files. Prints `ok` and `FAIL` lines and `N pas
 import cmath
 import math
 import os
+import random
 import re
 import subprocess
 import sys
@@ -125,6 +126,70 @@ def test_forms():
     verdict("amplitudes without phase", r.returncode == 0 and off(r.stdout) < 1.5, told(r))
 
 
+def record(n, step, begin, force, frequency, noise, seed, rig=TRUE):
+    """Rows time, displacement, force of the rig by the classical Runge-Kutta method, with Gaussian noise in metres."""
+    m, k, load, c = rig["mass"], rig["stiffness"], rig["preload"], rig["damping"]
+    z, v, parts, w, g = (load / k) ** (2 / 3) + begin, 0.0, 8, 2 * math.pi * frequency, random.Random(seed)
+    h = step / parts
+
+    def rate(z, v, t):
+        return (load + force * math.cos(w * t) - c * v - (k * z * math.sqrt(z) if z > 0 else 0)) / m
+
+    rows = []
+    for i in range(n):
+        rows.append((i * step, z + g.gauss(0, noise), force * math.cos(w * i * step)))
+        for j in range(parts):
+            t = (i * parts + j) * h
+            v1, a1 = v, rate(z, v, t)
+            v2, a2 = v + h / 2 * a1, rate(z + h / 2 * v1, v + h / 2 * a1, t + h / 2)
+            v3, a3 = v + h / 2 * a2, rate(z + h / 2 * v2, v + h / 2 * a2, t + h / 2)
+            v4, a4 = v + h * a3, rate(z + h * v3, v + h * a3, t + h)
+            z, v = z + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    return rows
+
+
+def ring_text(rows, head="# noise = 20 nm\ntime_ms,displacement_um\n"):
+    return head + "".join("%.9g,%.9g\n" % (t * 1e3, z * 1e6) for t, z, _ in rows)
+
+
+def test_records():
+    ring = record(500, 2e-4, 3e-6, 0, 0, 2e-8, 5)
+    put("ring.csv", ring_text(ring))
+    r = fit("--ring", "ring.csv", "--hold", "mass=6.1 kg")
+    got = table(r.stdout)
+    verdict("a ring-down with the mass held gives the contact", r.returncode == 0 and off(r.stdout) < 1.5 and got["preload"][1] < 2e-3 and got["damping"][1] < 0.01, told(r))
+    r = fit("--ring", "ring.csv", "--free", "mass,stiffness,damping", "--hold", "preload=80 N")
+    verdict("  with the preload held it gives the mass", r.returncode == 0 and off(r.stdout) < 1.5 and table(r.stdout)["mass"][1] < 2e-3, told(r))
+    r = fit("--ring", "ring.csv")
+    verdict("  with nothing held: all by a common factor", r.returncode == 1 and "common factor of mass^0.5, stiffness^0.5, preload^0.5, damping^0.5" in r.stdout, told(r))
+    shifted = put("shifted.csv", ring_text([(t, z - 5e-6, 0) for t, z, _ in ring]))
+    r = fit("--ring", shifted, "--hold", "mass=6.1 kg", "--free", "stiffness,preload,damping,offset")
+    at = re.search(r"^  offset +(\S+) um +\+- \S+ nm +\+- (\S+) nm", r.stdout, re.M)
+    verdict("  from another zero: with its offset", r.returncode == 0 and off(r.stdout) < 1.5 and at and abs(float(at[1]) + 5) < 2e-3 * float(at[2]), told(r))
+    bare = put("bare.csv", ring_text(ring, "time_ms,displacement_um\n"))
+    r = fit("--ring", bare, "--hold", "mass=6.1 kg")
+    verdict("  without its noise", r.returncode == 0 and all(0.7 < table(r.stdout)[k][1] / got[k][1] < 1.4 for k in got), told(r))
+    r = fit("--sweep", "small.csv", "--ring", "ring.csv")
+    verdict("a small curve and a ring-down give all four", r.returncode == 0 and off(r.stdout) < 1.5 and max(w for _, w in table(r.stdout).values()) < 0.01, told(r))
+    driven = record(1200, 1e-4, 0, 2, 230, 2e-8, 6)
+    put("driven.csv", "# noise = 20 nm\ntime_s,displacement_m,force_N\n" + "".join("%.9g,%.9g,%.9g\n" % row for row in driven))
+    r = fit("--series", "driven.csv")
+    verdict("a motion under a drive gives all four", r.returncode == 0 and off(r.stdout) < 1.5 and max(w for _, w in table(r.stdout).values()) < 0.03, told(r))
+    head = "# noise = 1 %\ntime_s,displacement_m\n"
+    rows = ["%.9g,%.9g\n" % row[:2] for row in ring[:40]]
+    for name, text, place, words in (
+            ("no time", "frequency_Hz,displacement_m\n1,2\n", "1:1", "no column time_s"), ("no motion", "time_s,volt\n1,2\n", "1:1", "no column with the motion"),
+            ("times fall", head + rows[0] + rows[2] + rows[1], "5:1", "does not rise"), ("uneven times", head + "".join(rows[:5] + rows[6:]), "8:1", "equal steps"),
+            ("few rows", head + "".join(rows[:9]), 11, "16 at least"), ("few turns", head + "".join(rows), 42, "fewer than 3 turns"),
+            ("nothing moves", head + "".join("%d,1\n" % i for i in range(20)), 22, "nothing moves"), ("noise in another unit", head.replace("1 %", "1 N") + "".join(rows), 1, "noise"),
+            ("a key of curves", "# direction = up\n" + head, 1, "no key")):
+        put("bad.csv", text)
+        r = fit("--ring", "bad.csv", "--out", "no.ini")
+        verdict("bad record, %s: %s" % (name, words), r.returncode == 2 and r.stderr.count("\n") == 1 and "bad.csv:%s: " % place in r.stderr and words in r.stderr and not exists("no.ini"), told(r))
+    r = fit("--series", "ring.csv")
+    verdict("a series without its drive", r.returncode == 2 and "no column with the drive" in r.stderr, told(r))
+
+
 def test_sweep():
     run("sweep", "true.ini", "--sweep", "force.frequency=200:290:31", "--out", "rows.csv")
     r = run("fit", "rig.ini", "--sweep", "rows.csv")
@@ -166,7 +231,7 @@ def linear(force):
 HEAD = "# amplitude = 3 N\n# noise = 1 %\nfrequency_Hz,amplitude_m,phase_rad\n"
 BAD = (
     ("empty file", "", 1, "no header"),
-    ("no rows", HEAD, 4, "no data"),
+    ("no rows", HEAD, 3, "no data"),
     ("unit missing", HEAD.replace("amplitude_m,", "amplitude,") + "1,1,1\n", "3:14", "unit is missing"),
     ("unit of frequency missing", HEAD.replace("frequency_Hz", "frequency") + "1,1,1\n", "3:1", "unit is missing"),
     ("unit of another thing", HEAD.replace("amplitude_m,", "amplitude_kg,") + "1,1,1\n", "3:14", "no output has this unit"),
@@ -222,6 +287,7 @@ put("true.ini", open(os.path.join(data, "rig.ini")).read().replace("6.5 kg", "6.
 test_numbers()
 test_together()
 test_forms()
+test_records()
 test_sweep()
 test_refused()
 test_bad_data()

@@ -1,18 +1,22 @@
-/* rig_curves.c - response curves of a preloaded Hertzian rig by an integrator of its own, for tests of fits.
+/* rig_curves.c - response curves and records of a preloaded Hertzian rig by an integrator of its own, for
+ * tests of fits.
  *
  *   rig_curves MASS STIFFNESS PRELOAD DAMPING AMPLITUDE FROM TO N up|down NOISE SEED
+ *   rig_curves MASS STIFFNESS PRELOAD DAMPING AMPLITUDE FREQUENCY BEGIN N STEP NOISE SEED record
  *
- * It shares nothing with the plant: m z'' + c z' + k z_+^1.5 = N + F cos wt by the classical Runge-Kutta
- * method in fixed steps, from point to point as a rig is swept, until the motion has settled. NOISE is the
- * standard deviation of real and imaginary part over the amplitude. SI; a CSV on standard output. */
-#include <complex.h>
+ * A record begins at rest, BEGIN away from the static position; without a drive (AMPLITUDE 0) it is free. Its
+ * NOISE is in metres. It shares nothing with the plant: m z'' + c z' + k z_+^1.5 = N + F cos wt by the
+ * classical Runge-Kutta method in fixed steps, from point to point as a rig is swept, until the motion has
+ * settled. NOISE is the standard deviation of real and imaginary part over the amplitude. SI; a CSV on
+ * standard output. */
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 256, SETTLED_FALLS = 14, ARGUMENTS = 12 };
+enum { STEPS = 256, SETTLED_FALLS = 14, ARGUMENTS = 12, RECORD_STEPS = 64 };
 
 struct rig {
     double mass, stiffness, preload, damping, amplitude, omega;
@@ -24,9 +28,9 @@ static double acceleration(const struct rig *r, double z, double v, double phase
     return (r->preload + r->amplitude * cos(phase) - r->damping * v - spring) / r->mass;
 }
 
-static void step(const struct rig *r, double *z, double *v, int i)
+static void step(const struct rig *r, double h, double *z, double *v, int i)
 {
-    double h = 2.0 * M_PI / r->omega / STEPS, turn = 2.0 * M_PI / STEPS, p = turn * i;
+    double turn = r->omega * h, p = turn * i;
     double v1 = *v, a1 = acceleration(r, *z, v1, p);
     double v2 = *v + 0.5 * h * a1, a2 = acceleration(r, *z + 0.5 * h * v1, v2, p + 0.5 * turn);
     double v3 = *v + 0.5 * h * a2, a3 = acceleration(r, *z + 0.5 * h * v2, v3, p + 0.5 * turn);
@@ -35,15 +39,15 @@ static void step(const struct rig *r, double *z, double *v, int i)
     *v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
 }
 
-/* A period; the first harmonic of the position. */
-static double complex period(const struct rig *r, double *z, double *v)
+/* A period; real and imaginary part of the first harmonic of the position. */
+static void period(const struct rig *r, double *z, double *v, double y[2])
 {
-    double complex sum = 0.0;
+    y[0] = y[1] = 0.0;
     for (int i = 0; i < STEPS; i++) {
-        sum += 2.0 / STEPS * *z * cexp(-I * 2.0 * M_PI * i / STEPS);
-        step(r, z, v, i);
+        y[0] += 2.0 / STEPS * *z * cos(2.0 * M_PI * i / STEPS);
+        y[1] -= 2.0 / STEPS * *z * sin(2.0 * M_PI * i / STEPS);
+        step(r, 2.0 * M_PI / r->omega / STEPS, z, v, i);
     }
-    return sum;
 }
 
 /* Standard normal, by Box and Muller from a linear congruence. */
@@ -57,15 +61,34 @@ static double normal(uint64_t *seed)
     return sqrt(-2.0 * log(u[0])) * cos(2.0 * M_PI * u[1]);
 }
 
+static void record(struct rig *r, char **argv, uint64_t seed)
+{
+    double h = atof(argv[9]), noise = atof(argv[10]);
+    double z = pow(r->preload / r->stiffness, 2.0 / 3.0) + atof(argv[7]), v = 0.0;
+    bool driven = r->amplitude > 0.0;
+    r->omega = 2.0 * M_PI * atof(argv[6]);
+    printf("# noise = %.17g m\ntime_s,displacement_m%s\n", noise, driven ? ",force_N" : "");
+    for (int i = 0; i < atoi(argv[8]); i++) {
+        printf("%.10g,%.10g", i * h, z + noise * normal(&seed));
+        printf(driven ? ",%.10g\n" : "\n", r->amplitude * cos(r->omega * i * h));
+        for (int k = 0; k < RECORD_STEPS; k++)
+            step(r, h / RECORD_STEPS, &z, &v, i * RECORD_STEPS + k);
+    }
+}
+
 int main(int argc, char **argv)
 {
-    if (argc != ARGUMENTS)
+    if (argc != ARGUMENTS && argc != ARGUMENTS + 1)
         return 2;
     struct rig r = {atof(argv[1]), atof(argv[2]), atof(argv[3]), atof(argv[4]), atof(argv[5]), 0.0};
     double from = atof(argv[6]), to = atof(argv[7]), noise = atof(argv[10]);
     double z = pow(r.preload / r.stiffness, 2.0 / 3.0), v = 0.0;
     int n = atoi(argv[8]), down = !strcmp(argv[9], "down");
     uint64_t seed = strtoull(argv[11], NULL, 10) * 2654435761u + 1;
+    if (argc > ARGUMENTS) {
+        record(&r, argv, seed);
+        return 0;
+    }
     printf("# amplitude = %.17g N\n# output = displacement\n# direction = %s\n", r.amplitude, argv[9]);
     if (noise > 0.0)
         printf("# noise = %.17g\n", noise);
@@ -74,12 +97,13 @@ int main(int argc, char **argv)
         double f = from + (to - from) * (down ? n - 1 - i : i) / (n - 1);
         r.omega = 2.0 * M_PI * f;
         double falls = r.damping / (2.0 * r.mass) / f; /* e-folds a period */
-        double complex y = 0.0;
+        double y[2] = {0.0, 0.0};
         for (int k = 0; k < SETTLED_FALLS / falls; k++)
-            y = period(&r, &z, &v);
-        double a = normal(&seed), b = normal(&seed);
-        y += noise * cabs(y) * (a + I * b);
-        printf("%.10g,%.10g,%.10g\n", f, cabs(y), carg(y));
+            period(&r, &z, &v, y);
+        double size = noise * hypot(y[0], y[1]);
+        y[0] += size * normal(&seed);
+        y[1] += size * normal(&seed);
+        printf("%.10g,%.10g,%.10g\n", f, hypot(y[0], y[1]), atan2(y[1], y[0]));
     }
     return 0;
 }

@@ -192,17 +192,18 @@ static void set_direction(const struct curve_file *f, struct curve *c)
         c->down = f->direction ? f->direction < 0 : f->falling;
 }
 
-int curves_read(const struct usage *u, const char *path, const struct scene *s, struct curves *all)
+int curves_read(const struct usage *u, const char *path, const struct scene *s, uint32_t *crc,
+                struct curves *all)
 {
     static struct table t;
     struct curve_file f = {.scene = s, .curve = {.path = path, .input = -1, .output = -1}};
-    t = (struct table){.usage = u, .path = path, .crc = all->crc, .key = take_key, .context = &f};
+    t = (struct table){.usage = u, .path = path, .crc = *crc, .key = take_key, .context = &f};
     int first = all->n, status = table_open(&t);
     status = status ? status : curve_columns_find(&t, &f);
     status = status ? status : find_amplitude(&t, &f);
     status = status ? status : read_rows(&t, &f, all);
     table_close(&t);
-    all->crc = t.crc;
+    *crc = t.crc;
     for (int i = first; i < all->n; i++)
         set_direction(&f, &all->curve[i]);
     return status;

@@ -27,6 +27,7 @@ struct curve {
     bool down;      /* swept from high to low frequencies */
     bool has_phase; /* else only A is known */
     double noise;   /* share of the amplitude; 0: not given */
+    bool assumed;   /* a point has no standard deviation of its own */
     int n;
     struct curve_point *point; /* from low to high frequencies */
 };
@@ -34,11 +35,12 @@ struct curve {
 struct curves {
     int n;
     struct curve curve[CURVES];
-    uint32_t crc; /* CRC-32 of the files, one behind the other */
 };
 
-/* Adds the curves of a file, measured on the rig of this scene. 0, or the exit status after a line. */
-int curves_read(const struct usage *u, const char *path, const struct scene *s, struct curves *c);
+/* Adds the curves of a file, measured on the rig of this scene. *crc, CRC-32 of all data files, goes on. 0,
+ * or the exit status after a line. */
+int curves_read(const struct usage *u, const char *path, const struct scene *s, uint32_t *crc,
+                struct curves *c);
 
 void curves_free(struct curves *c);
 

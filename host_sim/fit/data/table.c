@@ -42,7 +42,7 @@ static int read_line(struct table *t, bool *more)
     size_t n = 0;
     int c = fgetc(t->f);
     *more = c != EOF;
-    t->line++;
+    t->line += *more || !t->line;
     for (; c != EOF && c != '\n'; c = fgetc(t->f)) {
         if (n + 1 == TABLE_LINE)
             return table_wrong(t, -1, "a line of more than %d bytes; this is no data file", TABLE_LINE - 2);

@@ -62,6 +62,11 @@ static bool settle(struct orbit_task *t, struct orbit *o)
     return false;
 }
 
+bool follow_on(struct orbit_task *t, const struct orbit *from, struct orbit *o)
+{
+    return find_stable(t, from, from->frequency_Hz, FOLLOW_CHANGE, o);
+}
+
 int follow_curve(struct orbit_task *t, const double *frequency, int n, int by, struct follow_point *at)
 {
     double unit[MODEL_STATES], rest[MODEL_STATES];

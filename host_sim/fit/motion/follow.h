@@ -16,6 +16,9 @@ struct follow_point {
     struct orbit orbit;
 };
 
+/* The motion of the plant *t near one of a plant that differs little. False: there is none that is stable. */
+bool follow_on(struct orbit_task *t, const struct orbit *from, struct orbit *o);
+
 /* The motions at frequency[0..n-1] (Hz), visited in the order first, first + by, ..: by is 1 or -1. Returns
  * the number of jumps. */
 int follow_curve(struct orbit_task *t, const double *frequency, int n, int by, struct follow_point *at);

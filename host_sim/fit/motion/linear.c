@@ -3,7 +3,7 @@
 #include "host_sim/fit/motion/linear.h"
 
 #include <math.h>
-#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/solve/matrix.h"
 #include "models/math/elementary.h"
 
 static const double nudge = 1e-5;
@@ -85,4 +85,21 @@ bool linear_response(const struct orbit_task *t, double frequency_Hz, double *re
     *im *= unit;
     orbit_differentiate(t->derivatives, omega, re, im);
     return isfinite(*re) && isfinite(*im);
+}
+
+bool linear_ring(const struct orbit_task *t, double *frequency_Hz, double *decay_per_s)
+{
+    double p[MODEL_DERIVED];
+    struct scale scale;
+    struct linearised l;
+    t->model->prepare(t->si, p, &scale);
+    if (t->model->n_states != 2)
+        return false;
+    linearise(t, p, &l);
+    double decay = -0.5 * (l.a[0][0] + l.a[1][1]), square = l.a[0][0] * l.a[1][1] - l.a[0][1] * l.a[1][0];
+    if (!(square > decay * decay) || !(decay > 0.0))
+        return false;
+    *frequency_Hz = sqrt(square - decay * decay) / (2.0 * ELEMENTARY_PI * scale.time_s);
+    *decay_per_s = decay / scale.time_s;
+    return true;
 }

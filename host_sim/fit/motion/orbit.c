@@ -3,7 +3,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/solve/matrix.h"
 #include "models/math/elementary.h"
 
 enum {

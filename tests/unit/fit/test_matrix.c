@@ -1,5 +1,5 @@
 /* test_matrix.c - linear algebra of fits against hand-made numbers and identities. */
-#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/solve/matrix.h"
 #include "tests/unit/test.h"
 
 #include <math.h>

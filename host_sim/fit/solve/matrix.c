@@ -1,5 +1,5 @@
 /* matrix.c - see matrix.h. */
-#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/solve/matrix.h"
 
 #include <math.h>
 #include <string.h>

@@ -9,14 +9,17 @@
 #define HOST_SIM_FIT_PROBLEM_H
 
 #include "host_sim/fit/fit.h"
-#include "host_sim/fit/least.h"
+#include "host_sim/fit/solve/least.h"
 
-enum problem_form { PROBLEM_LINEAR, PROBLEM_ROBUST, PROBLEM_PLAIN };
+enum problem_form { PROBLEM_LINEAR, PROBLEM_ROBUST, PROBLEM_PLAIN, PROBLEM_RECORDS };
 
 struct problem {
     struct fit_setup *s;
     enum problem_form form;
 };
+
+/* Residuals of this form, of all curves that are active. */
+int problem_size(struct fit_setup *s, enum problem_form form);
 
 /* As struct least wants them; context is a struct problem. */
 double problem_residuals(void *context, const double *u, double *r);
@@ -24,15 +27,5 @@ void problem_slopes(void *context, const double *u, double *a);
 
 /* The least squares of this form, from u. */
 double problem_solve(struct fit_setup *s, enum problem_form form, double *u, int *steps);
-
-/* The plant of curve c where the unknowns are u. False: the model refuses it. */
-bool problem_task(const struct fit_setup *s, int c, const double *u, struct orbit_task *t);
-
-/* How far point i of a curve is from this motion, in standard deviations. */
-double problem_miss(const struct fit_setup *s, const double *u, const struct curve *c, int i,
-                    const struct follow_point *at);
-
-/* Puts gain and delay of the measuring chain on a response of the plant. */
-void problem_measure(const struct fit_setup *s, const double *u, double frequency_Hz, double *re, double *im);
 
 #endif

@@ -1,5 +1,6 @@
-/* problem.c - see problem.h. */
-#include "host_sim/fit/problem.h"
+/* problem_curves.c - residuals of response curves and their slopes, see problem.h. */
+#include "host_sim/fit/solve/problem_curves.h"
+#include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,55 +9,9 @@
 #include "models/math/elementary.h"
 
 static const double nudge = 1e-4; /* step of u, for slopes */
-static const double far_off =
-    0.3; /* difference of a point from its data, over the larger of both, that weighs half */
-static const double rough = 1e-3, fine = 1e-9; /* share of the cost: the last step */
-static const double distinct = 5.0;            /* motions that differ by more standard deviations are two */
-
-enum { STEPS_MOST = 40 };
-
-double fit_value(const struct fit_unknown *k, double u)
-{
-    return k->kind == FIT_DELAY ? u * k->unit_of_u : exponential(u);
-}
-
-double fit_u(const struct fit_unknown *k, double value)
-{
-    return k->kind == FIT_DELAY ? value / k->unit_of_u : logarithm(value);
-}
-
-bool problem_task(const struct fit_setup *s, int c, const double *u, struct orbit_task *t)
-{
-    const struct curve *curve = &s->data.curve[c];
-    int which;
-    *t = s->task;
-    t->input = curve->input;
-    t->output = curve->output;
-    t->derivatives = curve->derivatives;
-    t->amplitude = curve->amplitude;
-    for (int k = 0; k < s->n; k++) {
-        if (s->unknown[k].kind == FIT_PARAMETER)
-            t->si[s->unknown[k].index] = fit_value(&s->unknown[k], u[k]);
-        if (s->unknown[k].kind == FIT_GAIN_FORCE)
-            t->amplitude *= fit_value(&s->unknown[k], u[k]);
-    }
-    return !plant_check(t->model, t->si, &which);
-}
-
-void problem_measure(const struct fit_setup *s, const double *u, double frequency_Hz, double *re, double *im)
-{
-    double gain = 1.0, delay = 0.0, cosine, sine;
-    for (int k = 0; k < s->n; k++) {
-        if (s->unknown[k].kind == FIT_GAIN_SENSOR)
-            gain = fit_value(&s->unknown[k], u[k]);
-        if (s->unknown[k].kind == FIT_DELAY)
-            delay = fit_value(&s->unknown[k], u[k]);
-    }
-    cos_sin(-2.0 * ELEMENTARY_PI * frequency_Hz * delay, &cosine, &sine);
-    double was = *re;
-    *re = gain * (was * cosine - *im * sine);
-    *im = gain * (was * sine + *im * cosine);
-}
+/* The difference of a point from its data, over the larger of both, that weighs half. */
+static const double far_off = 0.3;
+static const double distinct = 5.0; /* motions that differ by more standard deviations are two */
 
 static double size_of(double re, double im)
 {
@@ -89,11 +44,11 @@ static void response_of(const struct fit_setup *s, const double *u, const struct
 {
     *re = at->found ? at->orbit.re : 0.0;
     *im = at->found ? at->orbit.im : 0.0;
-    problem_measure(s, u, at->orbit.frequency_Hz, re, im);
+    unknown_measure(s, u, at->orbit.frequency_Hz, re, im);
 }
 
-double problem_miss(const struct fit_setup *s, const double *u, const struct curve *c, int i,
-                    const struct follow_point *at)
+double problem_curves_miss(const struct fit_setup *s, const double *u, const struct curve *c, int i,
+                           const struct follow_point *at)
 {
     double re, im, r[2];
     response_of(s, u, at, &re, &im);
@@ -109,7 +64,8 @@ static void choose_motion(const struct fit_setup *s, const double *u, const stru
     response_of(s, u, &p->at, &re, &im);
     response_of(s, u, other, &other_re, &other_im);
     bool differ = size_of(re - other_re, im - other_im) > distinct * c->point[i].sigma;
-    if (!other->found || !differ || problem_miss(s, u, c, i, other) >= problem_miss(s, u, c, i, &p->at))
+    if (!other->found || !differ ||
+        problem_curves_miss(s, u, c, i, other) >= problem_curves_miss(s, u, c, i, &p->at))
         return;
     p->other = p->at.found;
     double jump_Hz = p->at.jump_Hz;
@@ -117,29 +73,64 @@ static void choose_motion(const struct fit_setup *s, const double *u, const stru
     p->at.jump_Hz = jump_Hz;
 }
 
-/* The motions of curve c into s->point[c]. False: no plant, or no memory. */
-static bool follow(const struct fit_setup *s, int c, const double *u)
+/* Takes the motions of a curve without jumps from those of the plant before. False: they lead elsewhere. */
+static bool go_on(const struct fit_setup *s, int c, struct orbit_task *t)
+{
+    for (int i = 0; i < s->data.curve[c].n; i++) {
+        const struct orbit from = s->point[c][i].at.orbit;
+        if (!follow_on(t, &from, &s->point[c][i].at.orbit))
+            return false;
+    }
+    return true;
+}
+
+/* All points that count lie near their motions. */
+static bool fits(const struct fit_setup *s, const double *u, int c)
+{
+    for (int i = 0; i < s->data.curve[c].n; i++)
+        if (!s->point[c][i].flank &&
+            problem_curves_miss(s, u, &s->data.curve[c], i, &s->point[c][i].at) > distinct)
+            return false;
+    return true;
+}
+
+/* Follows curve c in its direction, and the other way where that may fit better. */
+static void follow_both(struct fit_setup *s, int c, const double *u, struct orbit_task *t, double *frequency,
+                        struct follow_point *at)
 {
     const struct curve *curve = &s->data.curve[c];
-    struct orbit_task t;
-    if (!problem_task(s, c, u, &t))
-        return false;
-    double *frequency = calloc((size_t)curve->n, sizeof *frequency);
-    struct follow_point *at = calloc((size_t)curve->n, sizeof *at);
-    bool good = frequency && at;
-    for (int i = 0; good && i < curve->n; i++)
+    int by = curve->down ? -1 : 1;
+    for (int i = 0; i < curve->n; i++)
         frequency[i] = curve->point[i].frequency_Hz;
-    int by = curve->down ? -1 : 1, jumps = good ? follow_curve(&t, frequency, curve->n, by, at) : 0;
-    for (int i = 0; good && i < curve->n; i++)
+    s->smooth[c] = follow_curve(t, frequency, curve->n, by, at) == 0;
+    for (int i = 0; i < curve->n; i++) {
         s->point[c][i] = (struct fit_point){.at = at[i]};
-    for (int i = 0; good && i < curve->n; i++)
+        s->smooth[c] = s->smooth[c] && at[i].found;
+    }
+    for (int i = 0; i < curve->n; i++)
         if (at[i].jump_Hz > 0.0)
             s->point[c][i].flank = s->point[c][i - by].flank = true;
-    if (good && jumps) {
-        follow_curve(&t, frequency, curve->n, -by, at);
-        for (int i = 0; i < curve->n; i++)
-            choose_motion(s, u, curve, i, &at[i], &s->point[c][i]);
-    }
+    if (s->smooth[c] || fits(s, u, c))
+        return;
+    follow_curve(t, frequency, curve->n, -by, at);
+    for (int i = 0; i < curve->n; i++)
+        choose_motion(s, u, curve, i, &at[i], &s->point[c][i]);
+}
+
+/* The motions of curve c into s->point[c]. False: no plant, or no memory. */
+static bool follow(struct fit_setup *s, int c, const double *u)
+{
+    size_t n = (size_t)s->data.curve[c].n;
+    struct orbit_task t;
+    if (!unknown_task(s, c, u, &t))
+        return false;
+    if (s->smooth[c] && go_on(s, c, &t))
+        return true;
+    double *frequency = calloc(n, sizeof *frequency);
+    struct follow_point *at = calloc(n, sizeof *at);
+    bool good = frequency && at;
+    if (good)
+        follow_both(s, c, u, &t, frequency, at);
     free(frequency);
     free(at);
     return good;
@@ -153,7 +144,7 @@ static bool respond(const struct problem *p, const struct orbit_task *t, const d
     if (p->form == PROBLEM_LINEAR) {
         if (!linear_response(t, frequency, re, im))
             return false;
-        problem_measure(p->s, u, frequency, re, im);
+        unknown_measure(p->s, u, frequency, re, im);
         return true;
     }
     response_of(p->s, u, &p->s->point[c][i].at, re, im);
@@ -174,19 +165,18 @@ static void compare_linear(const struct curve *c, int i, double re, double im, d
     r[1] = relative * (p->im * re - p->re * im) / square;
 }
 
-static int curves_of(const struct problem *p)
+int problem_curves(const struct problem *p)
 {
-    return p->form == PROBLEM_LINEAR ? 1 : p->s->n_active;
+    return p->form == PROBLEM_RECORDS ? 0 : p->form == PROBLEM_LINEAR ? p->s->data.n > 0 : p->s->n_active;
 }
 
-double problem_residuals(void *context, const double *u, double *r)
+double problem_curves_residuals(const struct problem *p, const double *u, double *r)
 {
-    const struct problem *p = context;
     double cost = 0.0;
-    for (int c = 0; c < curves_of(p); c++) {
+    for (int c = 0; c < problem_curves(p); c++) {
         const struct curve *curve = &p->s->data.curve[c];
         struct orbit_task t;
-        if (!problem_task(p->s, c, u, &t) || (p->form != PROBLEM_LINEAR && !follow(p->s, c, u)))
+        if (!unknown_task(p->s, c, u, &t) || (p->form != PROBLEM_LINEAR && !follow(p->s, c, u)))
             return HUGE_VAL;
         for (int i = 0; i < curve->n; i++, r += 2) {
             double re, im, weight = 1.0;
@@ -206,28 +196,7 @@ double problem_residuals(void *context, const double *u, double *r)
             r[1] *= weight;
         }
     }
-    return isfinite(cost) ? cost : HUGE_VAL;
-}
-
-/* ---- slopes ---- */
-
-/* Those of the linear form, by differences. */
-static void slopes_linear(struct problem *p, const double *u, double *a)
-{
-    int n = p->s->n, m = 2 * p->s->data.curve[0].n;
-    double *low = calloc((size_t)m, sizeof *low), *high = calloc((size_t)m, sizeof *high), v[FIT_UNKNOWNS];
-    memcpy(v, u, (size_t)n * sizeof *v);
-    for (int k = 0; low && high && k < n; k++) {
-        v[k] = u[k] - nudge;
-        double below = problem_residuals(p, v, low);
-        v[k] = u[k] + nudge;
-        double above = problem_residuals(p, v, high);
-        v[k] = u[k];
-        for (int i = 0; i < m; i++)
-            a[i * n + k] = isfinite(below) && isfinite(above) ? (high[i] - low[i]) / (2.0 * nudge) : 0.0;
-    }
-    free(low);
-    free(high);
+    return cost;
 }
 
 /* The slope of a measured response over unknown k, at a motion. False: there is none. */
@@ -240,16 +209,16 @@ static bool slope(const struct fit_setup *s, const double *u, int c, int k, cons
     for (int side = 0; side < 2; side++) {
         memcpy(v[side], u, (size_t)s->n * sizeof *u);
         v[side][k] += side ? nudge : -nudge;
-        if (!problem_task(s, c, v[side], &task[side]))
+        if (!unknown_task(s, c, v[side], &task[side]))
             return false;
         chain[side][0] = o->re;
         chain[side][1] = o->im;
-        problem_measure(s, v[side], o->frequency_Hz, &chain[side][0], &chain[side][1]);
+        unknown_measure(s, v[side], o->frequency_Hz, &chain[side][0], &chain[side][1]);
     }
     bool of_plant = s->unknown[k].kind == FIT_PARAMETER || s->unknown[k].kind == FIT_GAIN_FORCE;
     if (of_plant && !orbit_slope(&task[0], &task[1], o, 2.0 * nudge, re, im))
         return false;
-    problem_measure(s, u, o->frequency_Hz, re, im);
+    unknown_measure(s, u, o->frequency_Hz, re, im);
     *re += (chain[1][0] - chain[0][0]) / (2.0 * nudge);
     *im += (chain[1][1] - chain[0][1]) / (2.0 * nudge);
     return true;
@@ -269,7 +238,7 @@ static void slopes_of(const struct problem *p, const double *u, int c, int i, do
         weight = weigh(curve, i, r, re, im, &unused);
     if (s->point[c][i].flank)
         weight = 0.0;
-    if (p->form == PROBLEM_PLAIN && problem_task(s, c, u, &t))
+    if (p->form == PROBLEM_PLAIN && unknown_task(s, c, u, &t))
         at->found = at->found && orbit_sharpen(&t, &at->orbit);
     for (int k = 0; k < s->n; k++) {
         double re_u, im_u, size = size_of(re, im);
@@ -284,32 +253,9 @@ static void slopes_of(const struct problem *p, const double *u, int c, int i, do
     }
 }
 
-void problem_slopes(void *context, const double *u, double *a)
+void problem_curves_slopes(const struct problem *p, const double *u, double *a)
 {
-    struct problem *p = context;
-    if (p->form == PROBLEM_LINEAR) {
-        slopes_linear(p, u, a);
-        return;
-    }
-    for (int c = 0; c < p->s->n_active; c++)
+    for (int c = 0; c < problem_curves(p); c++)
         for (int i = 0; i < p->s->data.curve[c].n; i++, a += 2 * p->s->n)
             slopes_of(p, u, c, i, a);
-}
-
-double problem_solve(struct fit_setup *s, enum problem_form form, double *u, int *steps)
-{
-    struct problem p = {s, form};
-    struct least l = {.n = s->n,
-                      .context = &p,
-                      .residuals = problem_residuals,
-                      .slopes = problem_slopes,
-                      .steps = STEPS_MOST,
-                      .smaller = form == PROBLEM_ROBUST ? rough : fine};
-    for (int c = 0; c < curves_of(&p); c++)
-        l.m += 2 * s->data.curve[c].n;
-    for (int k = 0; k < s->n; k++) {
-        l.low[k] = fit_u(&s->unknown[k], s->unknown[k].min);
-        l.high[k] = fit_u(&s->unknown[k], s->unknown[k].max);
-    }
-    return least_squares(&l, u, steps);
 }

@@ -1,5 +1,5 @@
 /* least.c - see least.h. */
-#include "host_sim/fit/least.h"
+#include "host_sim/fit/solve/least.h"
 
 #include <math.h>
 #include <stdlib.h>

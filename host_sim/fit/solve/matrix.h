@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-enum { MATRIX_MAX = 12 };
+enum { MATRIX_MAX = 16 };
 
 /* b becomes a^-1 b, for n <= MATRIX_MAX, by elimination with pivots; a is used up. False: a is singular. */
 bool matrix_solve(int n, double a[MATRIX_MAX][MATRIX_MAX], double *b);

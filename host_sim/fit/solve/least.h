@@ -3,7 +3,7 @@
 #define HOST_SIM_FIT_LEAST_H
 
 #include <stdbool.h>
-#include "host_sim/fit/matrix.h"
+#include "host_sim/fit/solve/matrix.h"
 
 struct least {
     int m, n; /* residuals and unknowns, n <= MATRIX_MAX */
