@@ -120,9 +120,9 @@ $(BUILD)/test_board: $(call obj,$(call test_src,$(BOARD_TEST))) $(HOST_LIB) $(LI
 WORST := $(call obj,tests/bench/cost/worst.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c)
 $(BUILD)/worst: $(WORST) $(LIB)
 	@$(CC) $(CFLAGS) -Wl,--wrap=taylor_begin,--wrap=exact_follow $(WORST) $(LIB) -lm -o $@
-$(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_rungs.c tests/bench/cost/work_microscope.c) $(LIB)
+$(BUILD)/instructions: $(call obj,tests/bench/cost/instructions.c tests/bench/cost/work_pieces.c tests/bench/cost/work_models.c tests/bench/cost/work_microscope.c) $(LIB)
 	$(link)
-$(BUILD)/costs: $(call obj,tests/bench/cost/costs.c tests/bench/cost/work_rungs.c) $(HOST_LIB) $(LIB)
+$(BUILD)/costs: $(call obj,tests/bench/cost/costs.c tests/bench/cost/work_models.c) $(HOST_LIB) $(LIB)
 	$(link)
 # A model with a row of its own: the table's users compiled once more, with that row in it.
 WITH_ROW := $(call obj,with_row/firmware/method/rk4.c with_row/firmware/plant/ledger.c)

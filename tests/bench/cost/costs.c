@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/choose/choose_cost.h"
-#include "tests/bench/cost/work_rungs.h"
+#include "tests/bench/cost/work_models.h"
 
 enum { LINE = 256 };
 
@@ -34,15 +34,15 @@ static double count_of(const char *board, const char *name)
 /* Long series begun in a tick. */
 static double series_of(int i)
 {
-    const char *fault = work_rungs_setup(i);
-    double begin = work_rungs_series();
-    for (int k = 0; k < WORK_CALLS; k += work_rungs_ticks(i))
-        work_rung[i].once();
-    if (fault || !work_rungs_good()) {
-        fprintf(stderr, "costs: %s is not what it should be\n", work_rung[i].name);
+    const char *fault = work_models_setup(i);
+    double begin = work_models_series();
+    for (int k = 0; k < WORK_CALLS; k += work_models_ticks(i))
+        work_model[i].once();
+    if (fault || !work_models_good()) {
+        fprintf(stderr, "costs: %s is not what it should be\n", work_model[i].name);
         exit(1);
     }
-    return (work_rungs_series() - begin) / WORK_CALLS;
+    return (work_models_series() - begin) / WORK_CALLS;
 }
 
 static enum choose_count column_of(const struct work_kind *k)
@@ -67,13 +67,13 @@ static void put_row(const struct model *m, bool moved)
 {
     double count[COUNTS] = {0.0}, series[2] = {0.0};
     bool any = false;
-    for (int i = 0; i < WORK_RUNGS; i++) {
+    for (int i = 0; i < WORK_MODELS; i++) {
         const struct work_kind *k = &work_kind[i];
         if (k->model != m || moves(k) != moved || k->period > FINE)
             continue;
         enum choose_count column = column_of(k);
         any = true;
-        count[column] = count_of("", work_rung[i].name);
+        count[column] = count_of("", work_model[i].name);
         if (column == COUNT_TAYLOR || column == COUNT_COARSE)
             series[column == COUNT_COARSE] = series_of(i);
     }
@@ -91,7 +91,7 @@ int main(void)
            "not edit. */\n"
            "/* One line a model, see struct choose_counts. */\n/* clang-format off */\n"
            "static const struct choose_counts counts[] = {\n");
-    for (int i = 0; i < WORK_RUNGS; i++) {
+    for (int i = 0; i < WORK_MODELS; i++) {
         int first = 0;
         while (work_kind[first].model != work_kind[i].model)
             first++;

@@ -1,9 +1,9 @@
-/* instructions.c - the pieces of tests/bench/cost/work_pieces.h, work_rungs.h and work_microscope.h for
+/* instructions.c - the pieces of tests/bench/cost/work_pieces.h, work_models.h and work_microscope.h for
  * tests/bench/cost/test_instructions.sh to count under callgrind: instructions do not depend on what else a
  * machine does. Prints "NAME calls"; stops when a piece of work is not what its name says. */
 #include <stdio.h>
 #include "tests/bench/cost/work_microscope.h"
-#include "tests/bench/cost/work_rungs.h"
+#include "tests/bench/cost/work_models.h"
 
 int main(void)
 {
@@ -15,12 +15,12 @@ int main(void)
         }
         printf("%s %d\n", work_piece[i].name, WORK_CALLS);
     }
-    for (int i = 0; i < WORK_RUNGS && !work_fault; i++) {
-        work_fault = work_rungs_setup(i);
-        for (int k = 0; k < WORK_CALLS && !work_fault; k += work_rungs_ticks(i))
-            work_rung[i].once();
-        work_fault = work_rungs_good() ? work_fault : work_rung[i].name;
-        printf("%s %d\n", work_rung[i].name, WORK_CALLS);
+    for (int i = 0; i < WORK_MODELS && !work_fault; i++) {
+        work_fault = work_models_setup(i);
+        for (int k = 0; k < WORK_CALLS && !work_fault; k += work_models_ticks(i))
+            work_model[i].once();
+        work_fault = work_models_good() ? work_fault : work_model[i].name;
+        printf("%s %d\n", work_model[i].name, WORK_CALLS);
     }
     for (int i = 0; i < WORK_MICROSCOPES && !work_fault; i++) {
         work_microscope[i].setup();
