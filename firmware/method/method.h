@@ -151,10 +151,11 @@ struct method_books {
     double force;              /* the largest contact force; of a step of length 0: that of the step before */
 };
 
-/* The only switch in the last tick of a run, of a contact whose gap the inputs do not move. */
+/* The only switch in the last tick of a run, of contact 0. */
 struct method_switch {
     double done;            /* model time from the begin of the tick, inside it */
     double force;           /* the largest contact force before it; the books have that behind it */
+    bool moved;             /* inputs move the gap */
     double x[MODEL_STATES]; /* the state there */
 };
 

@@ -336,32 +336,23 @@ double ledger_take(struct ledger *l, const struct method_books *b)
     return b->force;
 }
 
-/* Books ticks in which one input did work, and no heat came in. */
-static double take_single(struct ledger *l, int i, const struct method_books *b, uint32_t n)
-{
-    struct sum work = l->work[i], damping = l->damping;
-    double gross = l->gross, force = 0.0;
-    for (uint32_t k = 0; k < n; k++) {
-        gross = (gross + b[k].damping) + fabs(b[k].work[i]);
-        add(&work, b[k].work[i]);
-        add(&damping, b[k].damping);
-        force = larger(force, b[k].force);
-    }
-    l->work[i] = work;
-    l->damping = damping;
-    l->gross = gross;
-    return force;
-}
-
 double ledger_take_ticks(struct ledger *l, unsigned active, const struct method_books *b, uint32_t n)
 {
-    double force = 0.0;
-    for (int i = 0; i < MODEL_INPUTS; i++) {
-        if (active == 1u << i)
-            return take_single(l, i, b, n);
+    struct sum damping = l->damping;
+    double gross = l->gross, force = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        gross += b[k].damping;
+        add(&damping, b[k].damping);
+        force = larger(force, b[k].force);
+        for (int i = 0; active >> i != 0; i++) {
+            if (!((active >> i) & 1u))
+                continue;
+            gross += fabs(b[k].work[i]);
+            add(&l->work[i], b[k].work[i]);
+        }
     }
-    for (uint32_t k = 0; k < n; k++)
-        force = larger(force, ledger_take(l, &b[k]));
+    l->damping = damping;
+    l->gross = gross;
     return force;
 }
 

@@ -96,8 +96,7 @@ static inline double ledger_piece(struct ledger *l, const double *p, const struc
  * model units. */
 double ledger_take(struct ledger *l, const struct method_books *b);
 
-/* As ledger_take, n ticks in which none but the active inputs did work. If one alone is active, there is no
- * heat. */
+/* As ledger_take, n ticks in which none but the active inputs did work, and no heat came in. */
 double ledger_take_ticks(struct ledger *l, unsigned active, const struct method_books *b, uint32_t n);
 
 /* The residual of the equation above, with the energy `stored` now. */

@@ -680,6 +680,19 @@ static void pass_ticks(struct plant *pl, struct quiet *q)
         pl->loss_time += pl->h;
 }
 
+/* The inputs in the tick behind those that are done, `done` after its begin. */
+static void show_inputs(struct plant *pl, const struct quiet *q, double done)
+{
+    for (int i = 0; q->b.active >> i != 0; i++) {
+        struct wave *w = &pl->segment.wave[i];
+        if (!((q->b.active >> i) & 1u))
+            continue;
+        w->cosine = q->b.phasor[q->done][i].cosine;
+        w->sine = q->b.phasor[q->done][i].sine;
+        wave_at(w, done, &pl->segment.at[0][i]);
+    }
+}
+
 /* The tick behind those that are done, in which a contact switches on the way: as integrate_rest does it. */
 NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
 {
@@ -690,6 +703,8 @@ NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
     pass_drives(pl, q, 1);
     pl->now.tick = q->passed++;
     copy_state(pl->x, w->x, pl->model->n_states);
+    if (w->moved)
+        show_inputs(pl, q, w->done);
     rise_to(&pl->peak_force, w->force);
     pass_time(pl, w->done);
     take_switch(pl, &c, w->done * pl->ticks_per_time);

@@ -74,13 +74,14 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     (void)tol;
     memset(s, 0, sizeof *s);
     m->hertz_form(p, &s->form);
+    s->per_damping = s->form.damping > 0.0 ? 1.0 / s->form.damping : 0.0;
     s->h = h;
     weigh(s, h);
     s->rule = rule_of(h);
     adams_prepare_series(s);
     for (int i = 0; i < m->n_inputs; i++) {
         s->modulating |= (s->form.modulation[i] != 0.0 ? 1u : 0u) << i;
-        s->shifting |= (s->form.shift[i] != 0.0 || s->form.drag[i] != 0.0 ? 1u : 0u) << i;
+        s->shifting |= (s->form.shift[i] != 0.0 ? 1u : 0u) << i;
     }
     x[0] = s->form.side * (1.0 - s->form.origin);
     m->flow(p, silent, x, &flow);
@@ -95,12 +96,17 @@ static double positive(double x)
 }
 
 /* 1 and the modulation of the contact. */
-static double stiffness_at(const struct adams *s, const struct input *u)
+ALWAYS_INLINE double stiffness_of(const struct adams *s, const struct input *u, int n_on)
 {
     double sum = 1.0;
-    for (int k = 0; k < s->n_on; k++)
+    for (int k = 0; k < n_on; k++)
         sum += s->form.modulation[s->on[k]] * u[s->on[k]].value;
     return sum;
+}
+
+static double stiffness_at(const struct adams *s, const struct input *u)
+{
+    return stiffness_of(s, u, s->n_on);
 }
 
 /* g, of which *contact is the contact's part. */
@@ -386,32 +392,67 @@ ALWAYS_INLINE bool is_plain(adams_pair a, adams_pair b, double side)
            inside(b, METHOD_STATE_LIMIT);
 }
 
-/* No plain tick leads from `from`, where the contact's force is `begin`, to `to`, where it is `end`: the
- * compression turns, or a contact switches. False where this is for a single step. (By value: the motion
- * stays in registers.) */
-NEVER_INLINE bool take_turn(struct adams *s, unsigned regime, double stiffness, adams_pair from,
-                            adams_pair to, double begin, double end, struct method_books *b)
+/* A tick that is not plain: the compression turns, or a contact switches. */
+struct turn {
+    adams_pair from, to;
+    double begin, end, stiffness; /* the contact's force at its ends; 1 and the modulation at its end */
+    unsigned regime;
+    const struct phasor *phasor; /* at its begin */
+};
+
+/* The state at the switch, `done` behind the begin. */
+static void state_at_switch(const struct adams *s, const struct phasor *phasor, double done, adams_pair at,
+                            double *x)
 {
+    struct input u[MODEL_INPUTS];
+    for (int k = 0; s->kind == ADAMS_SHIFTED && k < s->n_on; k++) {
+        struct wave w = s->wave[s->on[k]];
+        w.cosine = phasor[s->on[k]].cosine;
+        w.sine = phasor[s->on[k]].sine;
+        wave_at(&w, done, &u[s->on[k]]);
+    }
+    state_of(s, u, at, s->kind, x);
+}
+
+/* Its forces and its switch. False where it is for a single step. */
+NEVER_INLINE bool take_turn(struct adams *s, const struct turn *t, struct method_books *b)
+{
+    adams_pair from = t->from;
     double h = s->h, done = -1.0;
-    if (!inside(to, METHOD_STATE_LIMIT))
+    if (!inside(t->to, METHOD_STATE_LIMIT))
         return false;
-    if (suspected(from, to, h, regime))
-        done = instant(from, to, h, regime);
+    if (suspected(from, t->to, h, t->regime))
+        done = instant(from, t->to, h, t->regime);
     if (done >= 0.0) {
-        const adams_pair at = {0.0, rate_at(from, to, h, done)};
-        if (done >= h || s->kind == ADAMS_SHIFTED || suspected(at, to, h - done, regime ^ 1u))
+        const adams_pair at = {0.0, rate_at(from, t->to, h, done)};
+        if (done >= h || suspected(at, t->to, h - done, t->regime ^ 1u))
             return false;
-        begin = fabs(s->force_unit * begin);
-        double most = peak_force(s, from, at, done, stiffness, 0.0);
+        double begin = fabs(s->force_unit * t->begin);
+        double most = peak_force(s, from, at, done, t->stiffness, 0.0);
         s->has_switched = true;
         s->switched.done = done;
+        s->switched.moved = s->kind == ADAMS_SHIFTED;
         s->switched.force = begin > most ? begin : most;
-        state_of(s, NULL, at, ADAMS_FORCED, s->switched.x);
+        state_at_switch(s, t->phasor, done, at, s->switched.x);
         from = at;
         h -= done;
     }
-    b->force = peak_force(s, from, to, h, stiffness, end);
+    b->force = peak_force(s, from, t->to, h, t->stiffness, t->end);
     return true;
+}
+
+/* `now` becomes `next`, but for the books of inputs that are not active. */
+ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams_motion *now)
+{
+    now->at = next->at;
+    now->without = next->without;
+    UNROLL
+    for (int j = 0; j < ADAMS_NODES; j++)
+        now->g[j] = next->g[j];
+    now->contact = next->contact;
+    for (int k = 0; k < n_on; k++)
+        now->begun.work[k] = next->begun.work[k];
+    now->begun.damping = next->begun.damping;
 }
 
 /* on[k] is the place of active input k behind `first`. */
@@ -425,18 +466,21 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     struct adams_motion now = s->m;
     uint32_t k = 0;
     while (k < n && !s->has_switched) {
-        struct adams_motion next = {.contact = 0.0};
+        struct adams_motion next;
         struct method_books *books = &s->books[k];
-        double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_at(s, end);
+        double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_of(s, end, n_on);
         advance(s, turn, stiffness, on, n_on, &now, &next);
         books->force = fabs(s->force_unit * next.contact);
-        if (!is_plain(now.at, next.at, side) &&
-            !take_turn(s, b->regime, stiffness, now.at, next.at, now.contact, next.contact, books))
-            break;
+        if (!is_plain(now.at, next.at, side)) {
+            const struct turn t = {now.at,    next.at,   now.contact, next.contact,
+                                   stiffness, b->regime, turn - first};
+            if (!take_turn(s, &t, books))
+                break;
+        }
         book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
                  &books->damping);
         state_of(s, end, next.at, kind, x[k + 1]);
-        now = next;
+        go_on(&next, n_on, &now);
         k++;
         turn += MODEL_INPUTS;
         end += 2 * MODEL_INPUTS;
@@ -447,21 +491,27 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     return k;
 }
 
+/* By the kind of the inputs; two have a copy of their own, and a force alone. */
 static uint32_t run_any(const struct model *m, const double *p, double *scratch, const struct method_block *b,
                         const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
 {
+    static const int alone[] = {0};
     struct adams *s = (struct adams *)(void *)scratch;
+    bool two = s->n_on == 2;
     (void)m, (void)p;
     s->has_switched = false;
     if (!goes_on(s, b, x[0]))
         return 0;
-    static const int alone[] = {0};
     if (s->kind == ADAMS_SHIFTED)
-        return run(s, b, at, x, n, ADAMS_SHIFTED, 0, s->on, s->n_on);
+        return two ? run(s, b, at, x, n, ADAMS_SHIFTED, 0, s->on, 2)
+                   : run(s, b, at, x, n, ADAMS_SHIFTED, 0, s->on, s->n_on);
     if (s->kind == ADAMS_MODULATED)
-        return run(s, b, at, x, n, ADAMS_MODULATED, 0, s->on, s->n_on);
-    return s->n_on == 1 ? run(s, b, at, x, n, ADAMS_FORCED, s->on[0], alone, 1)
-                        : run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, s->n_on);
+        return two ? run(s, b, at, x, n, ADAMS_MODULATED, 0, s->on, 2)
+                   : run(s, b, at, x, n, ADAMS_MODULATED, 0, s->on, s->n_on);
+    if (s->n_on == 1)
+        return run(s, b, at, x, n, ADAMS_FORCED, s->on[0], alone, 1);
+    return two ? run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, 2)
+               : run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, s->n_on);
 }
 
 static run_function *bind_run(const struct model *m)

@@ -50,6 +50,7 @@ enum adams_kind { ADAMS_FORCED, ADAMS_MODULATED, ADAMS_SHIFTED };
 
 struct adams {
     struct hertz_form form;
+    double per_damping;                       /* over the damping; 0 without */
     double h, force_unit;                     /* the unit: of force, over one of the contact's part of g */
     unsigned modulating, shifting;            /* bit i: so does input i */
     adams_pair predict[ADAMS_NODES], correct; /* weights: of g, the newest first; of what g is beside its

@@ -17,6 +17,7 @@ struct powers {
 /* An end of a tick. */
 struct end {
     const struct input *u;
+    double fast[MODEL_INPUTS];  /* how fast the inputs' rates change, where they move the contact */
     double place, rate, change; /* eta, its rate, and the rate of that */
     double contact, steepness;  /* hertz eta^1.5, and its derivative */
 };
@@ -24,6 +25,9 @@ struct end {
 ALWAYS_INLINE void book_force(const struct adams *s, int k, const struct input *u, double rate, double change,
                               struct powers *q)
 {
+    q->work[k] = q->work_rate[k] = 0.0;
+    if (s->force[k] == 0.0)
+        return;
     q->work[k] = s->force[k] * (u->value * rate);
     q->work_rate[k] = s->force[k] * (u->rate * rate + u->value * change);
 }
@@ -32,6 +36,8 @@ ALWAYS_INLINE void book_force(const struct adams *s, int k, const struct input *
 ALWAYS_INLINE void book_modulation(const struct adams *s, int k, const struct end *e, struct powers *q)
 {
     int i = s->on[k];
+    if (s->form.modulation[i] == 0.0)
+        return;
     double part = s->form.modulation[i], power = e->contact * e->rate;
     double power_rate = e->steepness * (e->rate * e->rate) + e->contact * e->change;
     q->work[k] -= part * (e->u[i].value * power);
@@ -40,52 +46,55 @@ ALWAYS_INLINE void book_modulation(const struct adams *s, int k, const struct en
 
 /* A base moves against spring and contact. `hangs` is the share of the damper that it moves against, too;
  * the damper's force is `damper`. */
-ALWAYS_INLINE void book_shift(const struct adams *s, int k, const struct input *fast, const struct end *e,
-                              const struct input *pull, const struct input *damper, struct powers *q)
+ALWAYS_INLINE void book_shift(const struct adams *s, int k, const struct end *e, const struct input *pull,
+                              const struct input *damper, struct powers *q)
 {
     int i = s->on[k];
-    double shift = s->form.shift[i], damping = s->form.damping;
-    double hangs = damping > 0.0 ? shift - s->form.drag[i] / damping : shift;
+    if (s->form.shift[i] == 0.0)
+        return;
+    double shift = s->form.shift[i], hangs = shift - s->form.drag[i] * s->per_damping;
     double push = shift * pull->value + hangs * damper->value;
     double push_rate = shift * pull->rate + hangs * damper->rate;
     q->work[k] += push * e->u[i].rate;
-    q->work_rate[k] += push_rate * e->u[i].rate + push * fast[i].rate;
+    q->work_rate[k] += push_rate * e->u[i].rate + push * e->fast[i];
 }
 
 /* All of it, where the contact is moved. */
-NEVER_INLINE void powers_shifted(const struct adams *s, double length, const struct end *e, struct powers *q)
+ALWAYS_INLINE void powers_shifted(const struct adams *s, const struct end *e, int n_on, struct powers *q)
 {
     const struct hertz_form *f = &s->form;
-    struct input fast[MODEL_INPUTS], more = {1.0, 0.0}, body = {e->rate, e->change};
+    struct input more = {1.0, 0.0}, body = {e->rate, e->change};
     struct input damper = {f->damping * e->rate, f->damping * e->change};
-    for (int k = 0; k < s->n_on; k++) {
+    for (int k = 0; k < n_on; k++) {
         int i = s->on[k];
-        fast[i] = (struct input){e->u[i].rate, wave_acceleration(&s->wave[i], length, &e->u[i])};
-        more.value += f->modulation[i] * e->u[i].value;
-        more.rate += f->modulation[i] * e->u[i].rate;
-        body.value -= f->shift[i] * fast[i].value;
-        body.rate -= f->shift[i] * fast[i].rate;
-        damper.value -= f->drag[i] * fast[i].value;
-        damper.rate -= f->drag[i] * fast[i].rate;
+        if (f->modulation[i] != 0.0) {
+            more.value += f->modulation[i] * e->u[i].value;
+            more.rate += f->modulation[i] * e->u[i].rate;
+        }
+        if (f->shift[i] != 0.0) {
+            body.value -= f->shift[i] * e->u[i].rate;
+            body.rate -= f->shift[i] * e->fast[i];
+            damper.value -= f->drag[i] * e->u[i].rate;
+            damper.rate -= f->drag[i] * e->fast[i];
+        }
     }
     const struct input pull = {f->stiffness * e->place + more.value * e->contact,
                                f->stiffness * e->rate + more.value * (e->steepness * e->rate) +
                                    more.rate * e->contact};
-    for (int k = 0; k < s->n_on; k++) {
+    for (int k = 0; k < n_on; k++) {
         book_force(s, k, &e->u[s->on[k]], body.value, body.rate, q);
         book_modulation(s, k, e, q);
-        book_shift(s, k, fast, e, &pull, &damper, q);
+        book_shift(s, k, e, &pull, &damper, q);
     }
-    double loss = f->damping > 0.0 ? 1.0 / f->damping : 0.0;
-    q->damping = loss * (damper.value * damper.value);
-    q->damping_rate = 2.0 * (loss * (damper.value * damper.rate));
+    q->damping = s->per_damping * (damper.value * damper.value);
+    q->damping_rate = 2.0 * (s->per_damping * (damper.value * damper.rate));
 }
 
-ALWAYS_INLINE void powers_of(const struct adams *s, double length, const struct end *e, enum adams_kind kind,
-                             const int *on, int n_on, struct powers *q)
+ALWAYS_INLINE void powers_of(const struct adams *s, const struct end *e, enum adams_kind kind, const int *on,
+                             int n_on, struct powers *q)
 {
     if (kind == ADAMS_SHIFTED) {
-        powers_shifted(s, length, e, q);
+        powers_shifted(s, e, n_on, q);
         return;
     }
     for (int k = 0; k < n_on; k++) {
@@ -103,17 +112,31 @@ ALWAYS_INLINE struct adams_rule rule_of(double length)
     return (struct adams_rule){0.5 * length, length * length * (1.0 / 12.0)};
 }
 
+ALWAYS_INLINE double fast_of(const struct wave *w, double s, const struct input *u)
+{
+    if (w->growth != 0.0)
+        return wave_acceleration(w, s, u);
+    return -w->omega * (w->omega * ((u->value - w->offset) - w->slope * s));
+}
+
 /* Where the motion stands. Only what `kind` needs of the contact. */
 ALWAYS_INLINE struct end end_of(const struct adams *s, double length, const struct input *u,
                                 const struct adams_motion *m, enum adams_kind kind, const int *on, int n_on)
 {
     const struct hertz_form *f = &s->form;
-    struct end e = {u, m->at[ADAMS_PLACE], m->at[ADAMS_RATE], f->constant + m->g[0], 0.0, 0.0};
+    struct end e;
+    e.u = u;
+    e.place = m->at[ADAMS_PLACE];
+    e.rate = m->at[ADAMS_RATE];
+    e.change = f->constant + m->g[0];
+    e.contact = e.steepness = 0.0;
     for (int k = 0; k < n_on; k++) {
         int i = on[k];
         e.change += s->force[k] * u[i].value;
-        if (kind == ADAMS_SHIFTED)
-            e.change += f->drag[i] * u[i].rate + f->shift[i] * wave_acceleration(&s->wave[i], length, &u[i]);
+        if (kind == ADAMS_SHIFTED && f->shift[i] != 0.0) {
+            e.fast[i] = fast_of(&s->wave[i], length, &u[i]);
+            e.change += f->drag[i] * u[i].rate + f->shift[i] * e.fast[i];
+        }
     }
     if (kind != ADAMS_FORCED) {
         double depth = e.place > 0.0 ? e.place : 0.0, root = sqrt(depth);
@@ -130,7 +153,7 @@ ALWAYS_INLINE void book_begin(const struct adams *s, double length, const struct
     struct powers q;
     struct end e = end_of(s, 0.0, u, m, s->kind, s->on, s->n_on);
     struct adams_rule r = rule_of(length);
-    powers_of(s, 0.0, &e, s->kind, s->on, s->n_on, &q);
+    powers_of(s, &e, s->kind, s->on, s->n_on, &q);
     for (int k = 0; k < s->n_on; k++)
         m->begun.work[k] = r.half * q.work[k] + r.twelfth * q.work_rate[k];
     m->begun.damping = r.half * q.damping + r.twelfth * q.damping_rate;
@@ -146,7 +169,7 @@ ALWAYS_INLINE void book_end(const struct adams *s, const struct adams_rule *r, d
 {
     struct powers q;
     struct end e = end_of(s, length, u, m, kind, on, n_on);
-    powers_of(s, length, &e, kind, on, n_on, &q);
+    powers_of(s, &e, kind, on, n_on, &q);
     for (int k = 0; k < n_on; k++) {
         double even = r->half * q.work[k], odd = r->twelfth * q.work_rate[k];
         work[on[k]] = begun->work[k] + (even - odd);

@@ -13,6 +13,7 @@ import sys
 import tempfile
 
 TICKS, SKIPPED = 32, 8
+METHODS = ["rk4", "adams"]  # one after the other in the image
 TARGET = ["--triple=thumbv7em-none-eabihf", "--mcpu=cortex-m7"]
 BRANCH = re.compile(r"(b|bl|cbz|cbnz)(eq|ne|lt|gt|le|ge|hi|ls|hs|lo|mi|pl|vs|vc)?(\.w|\.n)?$")
 
@@ -56,19 +57,24 @@ def cycles(lines):
     return int(found.group(1)) / TICKS
 
 
+def tell(method, ticks, text):
+    count = collections.Counter(name for _, name in ticks)
+    for name, n in count.most_common():
+        lines = [for_model(text[address]) for address, at in ticks if at == name]
+        print("%s,%s,%.0f,%.0f" % (method, name, n / TICKS, cycles([line for line in lines if line])))
+    lines = [for_model(text[address]) for address, _ in ticks]
+    print("%s,tick,%.0f,%.0f" % (method, len(ticks) / TICKS, cycles([line for line in lines if line])))
+
+
 def main():
     image, qemu = sys.argv[1], sys.argv[2:]
     steps, text = trace(image, qemu), text_of(image)
     begin = min(address for address, name in steps if name == "listen")
     looks = [i for i, (address, _) in enumerate(steps) if address == begin]
-    ticks = steps[looks[-TICKS - SKIPPED]:looks[-SKIPPED]]
-    count = collections.Counter(name for _, name in ticks)
-    print("part,instructions,cycles")
-    for name, n in count.most_common():
-        lines = [for_model(text[address]) for address, at in ticks if at == name]
-        print("%s,%.0f,%.0f" % (name, n / TICKS, cycles([line for line in lines if line])))
-    lines = [for_model(text[address]) for address, _ in ticks]
-    print("tick,%.0f,%.0f" % (len(ticks) / TICKS, cycles([line for line in lines if line])))
+    print("method,part,instructions,cycles")
+    for i, method in enumerate(METHODS):
+        end = len(looks) * (i + 1) // len(METHODS) - SKIPPED
+        tell(method, steps[looks[end - TICKS]:looks[end]], text)
 
 
 if __name__ == "__main__":

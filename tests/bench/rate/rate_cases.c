@@ -51,6 +51,8 @@ struct rate_setting rate_setting(const struct rate_case *c, int i)
         return (struct rate_setting){&rk4, c->finer * steps_of(i), 0};
     if ((i -= FIXED) < FIXED)
         return (struct rate_setting){&rk4_float32, c->finer * steps_of(i), 0};
+    if ((i -= FIXED) < FIXED)
+        return (struct rate_setting){&adams, c->finer * steps_of(i), 0};
     if ((i -= FIXED) < EXACT)
         return (struct rate_setting){&exact, c->finer * 32 << i, 0};
     i -= EXACT;

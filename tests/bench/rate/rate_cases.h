@@ -8,7 +8,7 @@
 #include "firmware/observe/lockin.h"
 #include "firmware/plant/plant.h"
 
-enum { RATE_CASES = 7, RATE_SET = 6, RATE_SETTINGS = 68 };
+enum { RATE_CASES = 7, RATE_SET = 6, RATE_SETTINGS = 93 };
 
 /* A case's plant: tips are of the silicon lever, in SI, and measured by the lock-in at their force. A period
  * is that of the drive; for tips, of the lever alone: 1/30.09 kHz. */
