@@ -302,8 +302,7 @@ static void take(struct adams *s, const struct segment *e, double *x)
     if (e->length != s->h)
         s->known = 0;
     const struct adams_rule rule = rule_of(e->length);
-    book_end(s, &rule, e->length, e->at[2], s->kind, s->on, s->n_on, &begin.begun, &s->m, s->books[0].work,
-             &s->books[0].damping);
+    book_any(s, &rule, e->length, e->at[2], &begin.begun, &s->m, &s->books[0]);
     state_of(s, e->at[2], s->m.at, s->kind, x);
 }
 
@@ -477,8 +476,11 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
             if (!take_turn(s, &t, books))
                 break;
         }
-        book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
-                 &books->damping);
+        if (TICK_LANES > 1)
+            book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
+                     &books->damping);
+        else
+            book_any(s, &s->rule, h, end, &now.begun, &next, books);
         state_of(s, end, next.at, kind, x[k + 1]);
         go_on(&next, n_on, &now);
         k++;
@@ -491,17 +493,18 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     return k;
 }
 
-/* By the kind of the inputs; two have a copy of their own, and a force alone. */
+/* By the kind of the inputs; two have a copy of their own, and a force alone. A board has room for one. */
 static uint32_t run_any(const struct model *m, const double *p, double *scratch, const struct method_block *b,
                         const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
 {
-    static const int alone[] = {0};
     struct adams *s = (struct adams *)(void *)scratch;
-    bool two = s->n_on == 2;
     (void)m, (void)p;
     s->has_switched = false;
     if (!goes_on(s, b, x[0]))
         return 0;
+#if TICK_LANES > 1
+    static const int alone[] = {0};
+    bool two = s->n_on == 2;
     if (s->kind == ADAMS_SHIFTED)
         return two ? run(s, b, at, x, n, ADAMS_SHIFTED, 0, s->on, 2)
                    : run(s, b, at, x, n, ADAMS_SHIFTED, 0, s->on, s->n_on);
@@ -512,6 +515,9 @@ static uint32_t run_any(const struct model *m, const double *p, double *scratch,
         return run(s, b, at, x, n, ADAMS_FORCED, s->on[0], alone, 1);
     return two ? run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, 2)
                : run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, s->n_on);
+#else
+    return run(s, b, at, x, n, s->kind, 0, s->on, s->n_on);
+#endif
 }
 
 static run_function *bind_run(const struct model *m)

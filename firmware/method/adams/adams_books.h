@@ -180,4 +180,12 @@ ALWAYS_INLINE void book_end(const struct adams *s, const struct adams_rule *r, d
     m->begun.damping = even + odd;
 }
 
+/* book_end for any inputs: for single steps, and where room is short. */
+NEVER_INLINE void book_any(const struct adams *s, const struct adams_rule *r, double length,
+                           const struct input *u, const struct adams_half *begun, struct adams_motion *m,
+                           struct method_books *b)
+{
+    book_end(s, r, length, u, s->kind, s->on, s->n_on, begun, m, b->work, &b->damping);
+}
+
 #endif
