@@ -26,11 +26,12 @@ static void microscope_scene(struct scene *s)
     s->over = 1.0;
 }
 
-static const struct scene_kind plants = {.stage_calls = &stages_for_plants};
+static const struct scene_kind plants = {.stage_calls = &stages_for_plants, .seed = -1};
 static const struct scene_kind microscope = {
     .method = &afm_plant_method,
     .stage_calls = &afm_plant_calls,
     .holds_stages = true,
+    .seed = LEVER_SEED,
     .from_rest = true,
     .check = afm_plant_check,
     .scene = microscope_scene,

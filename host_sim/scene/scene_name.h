@@ -21,6 +21,7 @@ struct scene_kind {
     const struct method *method; /* the one that runs it; NULL: any that takes it */
     const struct plant_stage_calls *stage_calls;
     bool holds_stages; /* its scratch memory is that of its stages, too */
+    int seed;          /* the parameter that another seed of a run changes; -1: none */
     bool from_rest;    /* a scene has no other start */
     /* Names the parameter that it refuses; NULL: the tables do. */
     const char *(*check)(const double *si, int *which);

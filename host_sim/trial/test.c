@@ -431,7 +431,7 @@ static bool has_microscope(const struct tests *t)
 {
     bool has = false;
     for (int i = 0; i < t->o->n_words; i++)
-        has = has || t->trial[i]->is_microscope;
+        has = has || t->trial[i]->lever.model;
     return has;
 }
 

@@ -4,5 +4,5 @@
 
 const struct model *trial_model(const struct trial *t)
 {
-    return t->is_microscope ? &afm_plant : t->scene.model;
+    return t->lever.model ? &afm_plant : t->scene.model;
 }

@@ -79,9 +79,8 @@ struct trial_case {
 struct trial {
     const char *file;
     char scene_name[TRIAL_VALUE];
-    struct scene scene;
-    bool is_microscope; /* the plant is a lever with its station; then scene.model names its signals */
-    struct scene lever; /* and this is its scene */
+    struct scene scene; /* its model names the signals */
+    struct scene lever; /* of a microscope: what stands in it; else its model is NULL */
     struct trial_plant plant;
     bool loops;                /* the controller is the station's own loops */
     char command[TRIAL_VALUE]; /* runs the controller, or "" */

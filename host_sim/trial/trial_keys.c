@@ -52,7 +52,7 @@ static bool take_scene(struct trial_reader *r, struct word value)
 {
     char why[SCENE_FILE_REASON] = "";
     struct trial *t = r->trial;
-    if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps || t->is_microscope)
+    if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps || t->lever.model)
         return trial_wrong(r, "scene: it stands first in [plant]; the other keys are its own");
     if (!trial_copy(r, value, t->scene_name, sizeof t->scene_name))
         return false;
@@ -74,7 +74,6 @@ static bool take_microscope(struct trial_reader *r, struct word value)
         return trial_wrong(
             r, "microscope: %s is no AFM lever; give soft, tapping, stiff or a scene of afm_lever",
             t->scene_name);
-    t->is_microscope = true;
     t->scene.model = &trial_afm_view;
     return true;
 }

@@ -17,7 +17,7 @@ static bool check_before_case(struct trial_reader *r)
     if (!*r->trial->command && !r->trial->attached)
         return trial_wrong(r, "no controller before the first case; write [controller] and command = .., "
                               "builtin = keep, or attach");
-    if (r->trial->loops && !r->trial->is_microscope)
+    if (r->trial->loops && !r->trial->lever.model)
         return trial_wrong(
             r, "builtin = loops are those of a microscope; write microscope = tapping in [plant], say");
     return true;

@@ -30,7 +30,7 @@ static bool make(struct scene_app *s, const struct trial *t, const struct trial_
 {
     char path[BENCH_PATH];
     bench_scene_path(t->file, t->scene_name, path);
-    if (!(t->is_microscope ? bench_microscope_make(s, t, c, varied, why) : scene_init(s, path, why)))
+    if (!(t->lever.model ? bench_microscope_make(s, t, c, varied, why) : scene_init(s, path, why)))
         return false;
     if (c->plant.rate_Hz > 0.0)
         s->config.frame_s = 1.0 / c->plant.rate_Hz;
@@ -64,9 +64,10 @@ static bool deviate(struct bench_plant *p, const struct trial_case *c, const dou
         staged_put(&staged, c->plant.set[i].index, c->plant.set[i].value);
     if (varied)
         staged_put(&staged, (unsigned)c->varied, *varied);
-    if (p->see == &trial_afm_view && p->seed > 1)
-        staged_put(&staged, LEVER_SEED,
-                   (staged_has(&staged, LEVER_SEED) ? staged.value : a->plant.si)[LEVER_SEED] +
+    int seed = scene_kind(a->plant.model)->seed;
+    if (seed >= 0 && p->seed > 1)
+        staged_put(&staged, (unsigned)seed,
+                   (staged_has(&staged, (unsigned)seed) ? staged.value : a->plant.si)[seed] +
                        (p->seed - 1.0));
     if (staged_count(&staged) == 0)
         return true;

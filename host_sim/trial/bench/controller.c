@@ -54,7 +54,7 @@ static void write_options(const struct trial *t, const struct scene_app *s, cons
         n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --bus udp:%s --peer %s", at->me, at->plant);
     if (at->lockstep)
         n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --lockstep --patience 0");
-    for (int i = 0; t->is_microscope && i < LEVER_PARAMETERS && n < OPTIONS_TEXT; i++)
+    for (int i = 0; t->lever.model && i < LEVER_PARAMETERS && n < OPTIONS_TEXT; i++)
         n += (size_t)snprintf(text + n, OPTIONS_TEXT - n, " --set %s=%.17g", c->model->parameter[i].name,
                               s->scene.value[i]);
     for (int i = 0; i < t->plant.n && n < OPTIONS_TEXT; i++) {
@@ -108,7 +108,7 @@ static char *fill(const struct bench_setting *s, const struct scene_app *scene,
         {"{rate}", rate, false},
         {"{substeps}", substeps, false},
         {"{seed}", seed, false},
-        {"{scene}", s->trial->is_microscope ? scene->config.model->name : s->trial->scene_name, false},
+        {"{scene}", s->trial->lever.model ? scene->config.model->name : s->trial->scene_name, false},
         {"{options}", options, true},
         {"{contactplant}", s->program, false},
         {"{memory}", at->memory ? at->memory : "", true}};
