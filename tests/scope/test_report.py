@@ -186,6 +186,37 @@ def basin(browser, folder):
     check("basin: again from the rows", data_of(again)["sections"] == data["sections"])
 
 
+def stability(browser, folder):
+    """The cells of a kind have the area of the rows of this kind, and the words count them."""
+    out, page = os.path.join(folder, "cells.csv"), os.path.join(folder, "cells.html")
+    run("stability", "rig", "--map", "contact", "--method", "rk4", "--set", "force.amplitude=50 N", "--set", "force.frequency=180 Hz", "--periods", "10",
+        "--x", "step=0.1 ms:2 ms:9", "--y", "stiffness=1 GN/m^1.5:10 GN/m^1.5:5:log", "--out", out, "--report", page)
+    rows, data = table(out), data_of(page)
+    layers = {layer["name"]: layer for chart in charts(data).values() for layer in chart["layers"] if layer["kind"] == "cells"}
+    lost = [r for r in rows if float(r["energy_ratio"]) < 0.95]
+    missed = [r for r in rows if float(r["method_switches"]) < float(r["switches"])]
+    for name, own in (("energy lost, 5 % and more", lost), ("contact switches missed", missed)):
+        area = sum(b - a for a, b in zip(layers[name]["x"], layers[name]["to"])) / ((2e-3 - 1e-4) / 8)
+        check("stability: the cells are those of the CSV: " + name, own and abs(area - len(own)) < 1e-6, (area, len(own)))
+    words = [s["text"] for s in data["sections"] if s["kind"] == "words"]
+    check("stability: the words count them", f"energy lost, 5 % and more: {len(lost)} of 45 cells, {100 * len(lost) / 45:.3g} %" in words, words)
+    looks(browser, page, "stability", ["contact switches that are none", "contactplant stability", "[drive force]"])
+
+
+def random(browser, folder):
+    """Density and crossing rates are those of the statistics, two errors to each side."""
+    out, sums, page = (os.path.join(folder, "random" + end) for end in (".csv", ".statistics", ".html"))
+    run("random", "nayak-random", "--observable", "displacement", "--range=-1:3", "--bins", "20", "--seeds", "6", "--over", "200", "--out", out,
+        "--statistics", sums, "--report", page)
+    own = [r for r in table(sums) if r["kind"] == "density"]
+    band, form = charts(data_of(page))["log10 of density"]["layers"]
+    ends = [(float(r["value"]) - 2 * float(r["standard_error"]), float(r["value"]) + 2 * float(r["standard_error"])) for r in own]
+    check("random: the band is two errors wide", len(own) == 20 and all(low is None if a <= 0 else abs(10**low - a) < 0.02 * b and abs(10**high - b) < 0.02 * b
+          for low, high, (a, b) in zip(band["low"], band["high"], ends)), ends[10])
+    check("random: the closed form is beside it", all(abs(10**y - float(r["closed_form"])) < 1e-4 * float(r["closed_form"]) for y, r in zip(form["y"], own)))
+    looks(browser, page, "random", ["closed form", "6 realisations over 200", "contactplant random"])
+
+
 def choose(browser, folder):
     told, page = os.path.join(folder, "choose.json"), os.path.join(folder, "choose.html")
     words = run("choose", "shaft", "--tolerance", "0.05", "--json", told, "--report", page).stdout
@@ -365,6 +396,8 @@ with tempfile.TemporaryDirectory() as folder, Chromium() as browser:
     simulate(browser, folder)
     sweep(browser, folder)
     basin(browser, folder)
+    stability(browser, folder)
+    random(browser, folder)
     choose(browser, folder)
     log(browser, folder)
     trial(browser, folder)

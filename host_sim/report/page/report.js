@@ -32,9 +32,19 @@ function addChart(section, s) {
   charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
   s.exact = s.layers.some((l) => l.kind === "bounds");
   s.layers = s.layers.filter((l) => l.kind !== "bounds");
+  addKey(section, s.layers.filter((l) => l.kind === "cells"));
   const chart = charts[charts.length - 1];
   canvas.addEventListener("pointermove", (e) => point(chart.s.x_name, chart.chart.xAt(e.offsetX)));
   canvas.addEventListener("pointerleave", () => point(s.x_name, NaN));
+}
+
+/* Below the chart, where it has room on any screen. */
+function addKey(section, layers) {
+  const key = layers.length ? add(section, "p", "", "key") : null;
+  for (const l of layers) {
+    add(key, "span", "■ ").style.color = `var(--${l.ink})`;
+    add(key, "span", l.name + "   ");
+  }
 }
 
 const KINDS = {
@@ -149,7 +159,7 @@ function drawChart(c) {
   if (c.cursor >= range.x[0] && c.cursor <= range.x[1])
     chart.marker(c.cursor, "ink", quantity(c.cursor, s.x_unit, 6), []);
   const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
-  for (const l of named)
+  for (const l of named.filter((l) => l.kind !== "cells"))
     if (!seen.has(l.name) || finite(c.cursor))
       seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log === "both" ? "log" : s.unit)).trim(), ink(l)]);
   if (span)
