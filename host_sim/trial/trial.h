@@ -80,7 +80,7 @@ struct trial {
     const char *file;
     char scene_name[TRIAL_VALUE];
     struct scene scene; /* its model names the signals */
-    struct scene lever; /* of a microscope: what stands in it; else its model is NULL */
+    struct scene lever; /* inside a microscope; else its model is NULL */
     struct trial_plant plant;
     bool loops;                /* the controller is the station's own loops */
     char command[TRIAL_VALUE]; /* runs the controller, or "" */
