@@ -16,8 +16,11 @@
 #ifndef FIRMWARE_INSTANCES_H
 #define FIRMWARE_INSTANCES_H
 
+#include "models/afm_tip.h"
 #include "models/flows.h"
+#include "models/hertz_rig.h"
 #include "models/reduced/polynomial.h"
+#include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 
 /* Rows of a model outside this tree: -DINSTANCES_EXTRA='"file.h"', a file that defines INSTANCES_MORE(X). */
