@@ -90,7 +90,4 @@ struct trial {
     struct trial_case cases[TRIAL_CASES];
 };
 
-/* The model whose parameters and settings these are; a microscope's signals are another's. */
-const struct model *trial_model(const struct trial *t);
-
 #endif

@@ -15,18 +15,11 @@ static bool is_signals(enum metric_kind k)
     return metric_table[k].of == OF_SIGNAL;
 }
 
-/* Neither a metric of the plant as a whole nor a signal: the nearest of both. */
-static bool no_metric(struct trial_reader *r, struct word name)
+/* Neither a metric of the plant as a whole nor one of the n signals in names[METRIC_SIGNALS + METRICS]: the
+ * nearest of both. */
+static bool no_metric(struct trial_reader *r, struct word name, const char **names, int n)
 {
-    const struct model *m = r->trial->scene.model;
-    static char known[METRIC_SIGNALS][METRIC_UNIT];
-    const char *names[METRIC_SIGNALS + METRICS];
     char advice[OPTIONS_ADVICE];
-    int n = 0;
-    for (int i = 0; i < metric_signals(m); i++) {
-        metric_signal_name(m, i, known[i]);
-        names[n++] = known[i];
-    }
     for (int k = 0; k < METRICS; k++)
         if (!is_signals((enum metric_kind)k))
             names[n++] = metric_table[k].name;
@@ -38,19 +31,14 @@ static bool no_metric(struct trial_reader *r, struct word name)
 /* SIGNAL or SIGNAL.STATISTIC; a bare signal is judged at every instant. */
 static bool read_signal(struct trial_reader *r, struct trial_expect *e, struct word name)
 {
-    const char *dot = memchr(name.at, '.', name.n), *known[METRICS];
+    const char *dot = memchr(name.at, '.', name.n), *known[METRICS], *names[METRIC_SIGNALS + METRICS];
     char text[OPTIONS_ADVICE];
     int n = 0;
     struct word signal = {name.at, dot ? (size_t)(dot - name.at) : name.n}, statistic = {dot, 0};
     const struct model *m = r->trial->scene.model;
-    char own[METRIC_UNIT];
-    e->what.signal = -1;
-    for (int i = 0; i < metric_signals(m) && e->what.signal < 0; i++) {
-        metric_signal_name(m, i, own);
-        e->what.signal = scene_text_is(signal, own) ? i : -1;
-    }
+    e->what.signal = trial_list_signals(m, signal, names);
     if (e->what.signal < 0)
-        return no_metric(r, signal);
+        return no_metric(r, signal, names, metric_signals(m));
     e->what.kind = METRICS;
     if (!dot)
         return true;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/afm/afm_plant.h"
 #include "firmware/bus/settings.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/options_nearest.h"
@@ -63,6 +64,11 @@ bool trial_take_tail(struct word *rest, const char *mark, struct word *tail)
 
 /* ---- parameters and settings ---- */
 
+const struct model *trial_model(const struct trial *t)
+{
+    return t->lever.model ? &afm_plant : t->scene.model;
+}
+
 bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys)
 {
     char why[SCENE_REASON];
@@ -84,20 +90,26 @@ bool trial_read_set(struct trial_reader *r, struct word name, struct word value,
     return i >= 0 || trial_wrong(r, "%s", why);
 }
 
+int trial_list_signals(const struct model *m, struct word wanted, const char **name)
+{
+    static char known[METRIC_SIGNALS][METRIC_UNIT];
+    int found = -1;
+    for (int i = 0; i < metric_signals(m); i++) {
+        metric_signal_name(m, i, known[i]);
+        name[i] = known[i];
+        found = scene_text_is(wanted, known[i]) ? i : found;
+    }
+    return found;
+}
+
 int trial_find_signal(struct trial_reader *r, struct word name)
 {
     const struct model *m = r->trial->scene.model;
-    static char known[METRIC_SIGNALS][METRIC_UNIT];
     const char *names[METRIC_SIGNALS];
     char text[OPTIONS_ADVICE];
-    int n = metric_signals(m);
-    for (int i = 0; i < n; i++) {
-        metric_signal_name(m, i, known[i]);
-        names[i] = known[i];
-        if (scene_text_is(name, known[i]))
-            return i;
-    }
-    trial_wrong(r, "%.*s: no signal of %s%s", scene_text_shown(name), name.at, m->name,
-                options_advise(name.at, name.n, names, n, NULL, text, sizeof text));
-    return -1;
+    int i = trial_list_signals(m, name, names);
+    if (i < 0)
+        trial_wrong(r, "%.*s: no signal of %s%s", scene_text_shown(name), name.at, m->name,
+                    options_advise(name.at, name.n, names, metric_signals(m), NULL, text, sizeof text));
+    return i;
 }

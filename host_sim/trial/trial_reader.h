@@ -38,11 +38,17 @@ bool trial_split_range(struct word w, struct word *from, struct word *to);
 int trial_find_set(struct trial_reader *r, struct word name);
 bool trial_no_name(struct trial_reader *r, struct word name, const char *const *key, int n_keys);
 
+/* The model whose parameters and settings these are; a microscope's signals are another's. */
+const struct model *trial_model(const struct trial *t);
+
 /* A parameter or setting and its value. A name with its unit in it, as mass_kg, takes a bare number too. */
 bool trial_read_set(struct trial_reader *r, struct word name, struct word value, struct action_set *set);
 
 /* Takes ` MARK TAIL`, the last of its kind, off the end of *rest. */
 bool trial_take_tail(struct word *rest, const char *mark, struct word *tail);
+
+/* Names of all signals into name[METRIC_SIGNALS], until the next call; the one that is wanted, or -1. */
+int trial_list_signals(const struct model *m, struct word wanted, const char **name);
 
 /* The signal of this name; -1 after a message. */
 int trial_find_signal(struct trial_reader *r, struct word name);
