@@ -5,6 +5,8 @@
 #include "host_sim/commands.h"
 #include "host_sim/fit/fitted.h"
 #include "host_sim/fit/judge.h"
+#include "host_sim/fit/levels.h"
+#include "host_sim/fit/show/picture.h"
 #include "host_sim/fit/tell.h"
 
 static const struct option fit_options[] = {
@@ -14,11 +16,16 @@ static const struct option fit_options[] = {
      .many = true},
     {"series", "FILE", "a motion under a drive: time, displacement and force; repeatable", OPTION_READS,
      .many = true},
+    {"plan", NULL, "before measuring: which curves would tell the unknowns, and how well", OPTION_FLAG,
+     .initial = NULL},
     {"free", "NAME,..",
      "the unknowns: numbers of the plant, gain.force, gain.sensor, delay, offset (all numbers of the plant)",
      OPTION_TEXT, .initial = NULL},
     {"hold", "NAME=VALUE", "a number that is known, with its unit; repeatable", OPTION_TEXT, .many = true},
     {"out", "FILE", "the fitted scene, with the intervals as comments", OPTION_WRITES, .initial = NULL},
+    {"svg", "FILE", "a picture of data, fit, residuals and profiles", OPTION_WRITES, .initial = NULL},
+    {"report", "FILE", "the same as a page, which opens in a browser without a network", OPTION_WRITES,
+     .initial = NULL},
     {"force", NULL, "writes --out though the fit is refused", OPTION_FLAG, .initial = NULL},
     {.name = NULL},
 };
@@ -31,11 +38,13 @@ static const struct usage fit_usage = {
                "the data give only together. A fit that cannot be believed is refused with its reasons, and "
                "status 1.",
     .words_help = "SCENE is a scene file or preset; its numbers are where the fit starts.\n",
-    .examples = "  contactplant fit rig.ini --sweep small.csv --sweep large.csv --out fitted.ini\n"
-                "  contactplant fit rig.ini --sweep small.csv --hold \"preload=64 N\"\n"
-                "  contactplant fit rig.ini --ring decay.csv --free stiffness,preload,damping --hold "
-                "\"mass=6.1 kg\"\n"
-                "  contactplant fit rig.ini --sweep small.csv --free mass,stiffness,damping,delay\n",
+    .examples =
+        "  contactplant fit rig.ini --sweep small.csv --sweep large.csv --out fitted.ini --report fit.html\n"
+        "  contactplant fit rig.ini --sweep small.csv --hold \"preload=64 N\"\n"
+        "  contactplant fit rig.ini --ring decay.csv --free stiffness,preload,damping --hold "
+        "\"mass=6.1 kg\"\n"
+        "  contactplant fit rig.ini --plan --free stiffness,preload,damping\n"
+        "  contactplant fit rig.ini --sweep small.csv --free mass,stiffness,damping,delay\n",
     .min_words = 1,
     .max_words = 1,
     .table = {fit_options},
@@ -55,27 +64,31 @@ static int conclude(struct fit_setup *s, const struct fit_result *r, const struc
     return j->n ? STATUS_FAILED : STATUS_DONE;
 }
 
+/* Fits, tells and writes. Returns the exit status. */
+static int fit_and_tell(struct fit_setup *s)
+{
+    static struct judged j;
+    struct fit_result r;
+    clock_catch_signals();
+    if (!starts_fit(s, &r))
+        return options_failure(s->o.usage,
+                               "no plant near this start runs at these frequencies; give another scene");
+    judge_fit(s, &r, &j);
+    tell_fit(s, &r, &j, stdout);
+    int status = picture_write(s, &r, &j), concluded = conclude(s, &r, &j);
+    return status ? status : concluded;
+}
+
 int cmd_fit(int argc, char **argv)
 {
     static struct fit_setup s;
-    static struct judged j;
-    struct fit_result r;
     int status;
     s = (struct fit_setup){.n = 0};
     if (!options_parse(&s.o, &fit_usage, argc, argv, &status))
         return status;
     status = fit_read(&s);
-    if (!status) {
-        clock_catch_signals();
-        if (!starts_fit(&s, &r)) {
-            status = options_failure(
-                s.o.usage, "no plant near this start runs at these frequencies; give another scene");
-        } else {
-            judge_fit(&s, &r, &j);
-            tell_fit(&s, &r, &j, stdout);
-            status = conclude(&s, &r, &j);
-        }
-    }
+    if (!status)
+        status = options_given(&s.o, "plan") ? levels_tell(&s) : fit_and_tell(&s);
     fit_free(&s);
     return status;
 }

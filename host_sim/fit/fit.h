@@ -49,8 +49,9 @@ struct fit_setup {
     struct curves data;
     uint32_t crc; /* CRC-32 of the data files, one behind the other */
     struct records records;
-    bool only_starts; /* only the unknowns of records move */
-    int n;            /* unknowns */
+    const struct fit_unknown *held; /* that does not move, or NULL */
+    bool only_starts;               /* only the unknowns of records move */
+    int n;                          /* unknowns */
     struct fit_unknown unknown[FIT_UNKNOWNS];
     struct orbit_task task;
     bool noise_known;

@@ -7,23 +7,22 @@
 #include <string.h>
 #include "host_sim/fit/solve/problem.h"
 
-/* Data on that curve: what the plant gives at r->u, with this noise. */
-static bool fill(struct fit_setup *s, const struct fit_result *r, double noise)
+bool plan_fill(struct fit_setup *s, const double *u, double noise)
 {
-    struct curve *c = &s->data.curve[0];
     struct problem p = {s, PROBLEM_PLAIN};
     double *residual = calloc((size_t)s->n_residuals + 1, sizeof *residual);
-    bool good = residual && isfinite(problem_residuals(&p, r->u, residual));
+    bool good = residual && isfinite(problem_residuals(&p, u, residual));
     free(residual);
-    for (int i = 0; good && i < c->n; i++) {
-        struct follow_point *at = &s->point[0][i].at;
-        good = at->found;
-        double re = at->orbit.re, im = at->orbit.im;
-        unknown_measure(s, r->u, c->point[i].frequency_Hz, &re, &im);
-        c->point[i].re = re;
-        c->point[i].im = im;
-        c->point[i].sigma = noise * sqrt(re * re + im * im);
-    }
+    for (int c = 0; c < s->data.n; c++)
+        for (int i = 0; good && i < s->data.curve[c].n; i++) {
+            struct curve_point *x = &s->data.curve[c].point[i];
+            const struct follow_point *at = &s->point[c][i].at;
+            good = at->found;
+            x->re = at->orbit.re;
+            x->im = at->orbit.im;
+            unknown_measure(s, u, x->frequency_Hz, &x->re, &x->im);
+            x->sigma = noise * sqrt(x->re * x->re + x->im * x->im);
+        }
     return good;
 }
 
@@ -78,7 +77,7 @@ bool plan_further(struct fit_setup *s, const struct fit_result *r, int c, double
     bool good = curve->point && further.point[0] && a;
     if (good)
         memcpy(curve->point, s->data.curve[c].point, (size_t)curve->n * sizeof *curve->point);
-    good = good && fill(&further, r, noise_of(&s->data.curve[c]));
+    good = good && plan_fill(&further, r->u, noise_of(&s->data.curve[c]));
     if (good)
         problem_slopes(&p, r->u, a);
     good = good && add_information(s, r, a, 2 * curve->n, sd);

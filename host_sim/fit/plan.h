@@ -9,4 +9,7 @@
 bool plan_further(struct fit_setup *s, const struct fit_result *r, int c, double amplitude,
                   double sd[FIT_UNKNOWNS]);
 
+/* Gives the points of all curves what the plant gives at u, with this noise. False: as above. */
+bool plan_fill(struct fit_setup *s, const double *u, double noise);
+
 #endif

@@ -238,7 +238,13 @@ static int read_data(struct fit_setup *s)
         status = records_read(u, options_text(&s->o, "series", i), &s->scene, true, &s->crc, &s->records);
     if (status)
         return status;
-    if (!s->data.n && !s->records.n)
+    bool plan = options_given(&s->o, "plan"), measured = s->data.n || s->records.n;
+    if (plan && measured)
+        return misuse(s, "--plan comes before measuring: take the data away");
+    if (plan &&
+        (options_given(&s->o, "out") || options_given(&s->o, "svg") || options_given(&s->o, "report")))
+        return misuse(s, "--plan prints a table alone: take --out, --svg and --report away");
+    if (!plan && !measured)
         return misuse(
             s, "no data: give a response curve, --sweep FILE, or a record, --ring FILE or --series FILE");
     if (s->records.n && s->scene.model->n_states != 2)
@@ -263,7 +269,7 @@ static int make_room(struct fit_setup *s)
         s->n_residuals += s->records.record[i].n;
         numbers += s->records.record[i].n;
     }
-    if (numbers <= s->n)
+    if (numbers <= s->n && !options_given(&s->o, "plan"))
         return misuse(s, "%d numbers for %d unknowns: measure more points, or hold some unknowns", numbers,
                       s->n);
     return 0;

@@ -21,7 +21,7 @@ static const double line_least = 0.05;
 static const double deviations = 20.0; /* deviations of the weak direction, along the line */
 static const double beside = 0.2;      /* further starts, from the best place */
 static const double passed_by = 0.1;   /* cost and every unknown: two fits that have come to one place */
-static const double same_u = 0.1;      /* in standard deviations: one minimum */
+static const double same_u = 1.0;      /* in standard deviations: one minimum */
 static const double same_chi2 = 4.0;   /* another minimum as good, to two standard deviations */
 
 /* The direction in which the smallest curve says least, its largest component 1. Returns how far to look. */

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree
 import zlib
 
 here = os.path.dirname(os.path.abspath(__file__))
@@ -190,6 +191,64 @@ def test_records():
     verdict("a series without its drive", r.returncode == 2 and "no column with the drive" in r.stderr, told(r))
 
 
+def invert(a):
+    """The inverse of a small matrix, by Gauss and Jordan."""
+    n = len(a)
+    rows = [list(row) + [float(i == k) for k in range(n)] for i, row in enumerate(a)]
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda r: abs(rows[r][i]))
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        rows[i] = [x / rows[i][i] for x in rows[i]]
+        for k in range(n):
+            if k != i:
+                rows[k] = [x - rows[k][i] * y for x, y in zip(rows[k], rows[i])]
+    return [row[n:] for row in rows]
+
+
+def fisher(low, high, points):
+    """Standard deviations of the logarithms of mass and damping from a curve of the linear rig with 1 % noise, by its closed form."""
+    m, c = 6.5, 188.0
+    k = 1.5 * 3.4e9 ** (2 / 3) * 64 ** (1 / 3)
+    information = [[0.0] * 3 for _ in range(3)]
+    for i in range(points):
+        w = 2 * math.pi * (low + (high - low) * i / (points - 1))
+        below = k - m * w * w + 1j * c * w
+        slopes = [m * w * w / below, -1j * c * w / below, -k / below]  # of ln H over ln m, ln c, ln k
+        for a in range(3):
+            for b in range(3):
+                information[a][b] += (slopes[a] * slopes[b].conjugate()).real / 0.01 ** 2
+    spread = invert(information)
+    return [100 * math.sqrt(spread[i][i]) for i in range(2)]
+
+
+def test_plan():
+    r = fit("--plan", "--free", "mass,stiffness,damping")
+    ends = re.search(r"curves of (\d+) points, (\S+) to (\S+) Hz", r.stdout)
+    first = re.search(r"^  \S+ mN +(\S+) % +\S+ % +(\S+) %", r.stdout, re.M)
+    wanted = fisher(float(ends[2]), float(ends[3]), int(ends[1])) if ends else [0, 0]
+    check("--plan: mass and damping from the smallest curve, as by the closed form of a linear rig",
+          r.returncode == 0 and first and all(abs(float(got) / w - 1) < 0.03 for got, w in zip(first.groups(), wanted)), "%s, %.3g %.3g" % (first.groups(), *wanted))
+    r = fit("--plan")
+    rows = re.findall(r"^  (\S+ \S+)( and \S+ \S+)? +(\S+) % +(\S+) % +(\S+) % +(\S+) %", r.stdout, re.M)
+    verdict("  stiffness and preload are parted by a second, larger drive", len(rows) == 9 and float(rows[0][4]) > 100 and float(rows[-1][4]) < 1, told(r))
+    for words in (("--plan", "--sweep", "small.csv"), ("--plan", "--out", "no.ini")):
+        r = fit(*words)
+        verdict("fit %s: refused" % " ".join(words), r.returncode == 2 and "--plan" in r.stderr and not exists("no.ini"), told(r))
+
+
+def test_pictures():
+    put("ring.csv", ring_text(record(400, 2e-4, 3e-6, 0, 0, 2e-8, 5)))
+    r = fit("--sweep", "large.csv", "--ring", "ring.csv", "--hold", "mass=6.1 kg", "--svg", "fit.svg", "--report", "fit.html")
+    svg, page = (open(os.path.join(directory, name)).read() if exists(name) else "" for name in ("fit.svg", "fit.html"))
+    texts = [t.text for t in xml.etree.ElementTree.fromstring(svg or "<x/>").iter() if t.text]
+    for words in ("amplitude of displacement at 3 N, down", "residuals, standard deviations", "chi^2 above its least, over preload", "profile"):
+        verdict("--svg and --report: " + words, any(words in t for t in texts) and words in page, told(r))
+    got = table(r.stdout)["preload"]
+    bounds = re.search(r'"preload"[^]]*?"([0-9.]+) N"[^]]*?"([0-9.]+) N","([0-9.]+) N"', page)
+    verdict("  the profile's interval of the preload is that of the slopes, to a tenth", bounds and
+            abs((float(bounds[3]) - float(bounds[2])) / (2 * got[0] * got[1]) - 1) < 0.1, re.findall(r'"preload".{100}', page)[:3])
+
+
 def test_sweep():
     run("sweep", "true.ini", "--sweep", "force.frequency=200:290:31", "--out", "rows.csv")
     r = run("fit", "rig.ini", "--sweep", "rows.csv")
@@ -288,6 +347,8 @@ test_numbers()
 test_together()
 test_forms()
 test_records()
+test_plan()
+test_pictures()
 test_sweep()
 test_refused()
 test_bad_data()

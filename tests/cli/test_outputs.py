@@ -132,7 +132,10 @@ def cases():
     yield "dbc", ["rig"]
     yield "dissector", ["rig"]
     curve = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/examples/fit/small.csv")
-    yield "fit", ["rig", "--sweep", curve, "--out", "fitted.ini"]
+    yield "fit", ["rig", "--sweep", curve, "--out", "fitted.ini", "--svg", "f.svg", "--report", "f.html"]
+    yield "fit", ["rig", "--plan"]
+    decay = curve.replace("small", "decay")
+    yield "fit", ["rig", "--ring", decay, "--series", decay, "--hold", "mass=6.1 kg", "--svg", "f.svg"]
     yield "fit", ["rig", "--sweep", curve, "--free", "mass,stiffness,damping,gain.sensor", "--out", "fitted.ini", "--force"]
     yield "fmu", "rig --out rig.fmu".split()
     yield "fmu", "nayak-random --out n.fmu".split()

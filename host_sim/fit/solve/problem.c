@@ -61,6 +61,12 @@ static void slopes_linear(struct problem *p, const double *u, double *a)
     free(high);
 }
 
+/* This unknown does not move. */
+static bool stays(const struct fit_setup *s, int k)
+{
+    return s->held == &s->unknown[k] || (s->only_starts && !fit_is_hidden(&s->unknown[k]));
+}
+
 void problem_slopes(void *context, const double *u, double *a)
 {
     struct problem *p = context;
@@ -72,7 +78,7 @@ void problem_slopes(void *context, const double *u, double *a)
     problem_curves_slopes(p, u, a);
     problem_records_slopes(p, u, a + records * n);
     for (int k = 0; k < n; k++)
-        for (int i = 0; i < m && p->s->only_starts && !fit_is_hidden(&p->s->unknown[k]); i++)
+        for (int i = 0; i < m && stays(p->s, k); i++)
             a[i * n + k] = 0.0;
 }
 

@@ -1,0 +1,117 @@
+/* levels.c - see levels.h. */
+#include "host_sim/fit/levels.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "host_sim/cli/unit.h"
+#include "host_sim/fit/motion/linear.h"
+#include "host_sim/fit/plan.h"
+#include "host_sim/fit/solve/unknown.h"
+#include "host_sim/fit/tell.h"
+#include "models/math/elementary.h"
+
+enum { POINTS = 45, LEVELS = 5 };
+static const double low = 0.6, high = 1.25; /* ends of the curves over the resonance */
+static const double noise = 0.01;
+/* The motion of the linear plant at its resonance, in the model's unit of length: a rig's static compression.
+ */
+static const double motion[LEVELS] = {0.03, 0.1, 0.3, 1.0, 3.0};
+
+/* The resonance, and the drive for a linear motion of 1 there. False: the drive does not move the output. */
+static bool find_resonance(struct fit_setup *s, double *frequency_Hz, double *drive)
+{
+    struct orbit_task t = s->task;
+    double p[MODEL_DERIVED], re, im, largest = 0.0;
+    struct scale scale;
+    t.amplitude = 1.0;
+    t.output = s->scene.observable;
+    t.model->prepare(t.si, p, &scale);
+    double middle = t.model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
+    for (double f = 0.8 * middle; f < 1.1 * middle; f += 1e-3 * middle)
+        if (linear_response(&t, f, &re, &im) && sqrt(re * re + im * im) > largest) {
+            largest = sqrt(re * re + im * im);
+            *frequency_Hz = f;
+        }
+    *drive = largest > 0.0 ? scale_of(&scale, t.model->output_signal[t.output].quantity) / largest : 0.0;
+    return largest > 0.0;
+}
+
+/* A curve of this drive behind those that are there. */
+static bool add_curve(struct fit_setup *s, double frequency_Hz, double drive)
+{
+    int c = s->data.n;
+    struct curve *curve = &s->data.curve[c];
+    *curve = (struct curve){
+        .path = "plan", .amplitude = drive, .output = s->scene.observable, .has_phase = true, .n = POINTS};
+    curve->point = calloc(POINTS, sizeof *curve->point);
+    s->point[c] = calloc(POINTS, sizeof *s->point[c]);
+    s->data.n = s->n_active = c + 1;
+    s->n_residuals += 2 * POINTS;
+    for (int i = 0; curve->point && i < POINTS; i++)
+        curve->point[i] = (struct curve_point){
+            .frequency_Hz = frequency_Hz * (low + (high - low) * i / (POINTS - 1)), .sigma = 1.0};
+    return curve->point && s->point[c];
+}
+
+static void drop_curves(struct fit_setup *s)
+{
+    for (int c = 0; c < s->data.n; c++) {
+        free(s->point[c]);
+        s->point[c] = NULL;
+        s->smooth[c] = false;
+    }
+    curves_free(&s->data);
+    s->n_active = s->n_residuals = 0;
+}
+
+static void print_row(const struct fit_setup *s, const struct fit_result *r, bool known, const char *drives)
+{
+    printf("  %-22s", drives);
+    for (int k = 0; k < s->n; k++) {
+        char text[UNIT_TEXT];
+        printf(" %-13s", known ? tell_width(&s->unknown[k], r->sd[k], text) : "no motion");
+    }
+    putchar('\n');
+}
+
+/* One row: a curve at drive b, and one at drive a if that is above 0. */
+static int tell_row(struct fit_setup *s, const double *u, double frequency_Hz, double a, double b)
+{
+    struct fit_result r = {.chi2 = 0.0};
+    const char *unit = s->scene.model->input_signal[0].unit;
+    char text[2][UNIT_TEXT], rounded[UNIT_TEXT], drives[2 * UNIT_TEXT + 8];
+    for (int i = 0; i < 2; i++) {
+        snprintf(rounded, sizeof rounded, "%.2g", i ? b : a);
+        unit_write(strtod(rounded, NULL), unit, text[i]);
+    }
+    snprintf(drives, sizeof drives, a > 0.0 ? "%s and %s" : "%s%s", a > 0.0 ? text[0] : "", text[1]);
+    memcpy(r.u, u, sizeof r.u);
+    bool room = (!(a > 0.0) || add_curve(s, frequency_Hz, a)) && add_curve(s, frequency_Hz, b);
+    bool known = room && plan_fill(s, u, noise) && starts_spread(s, &r);
+    drop_curves(s);
+    print_row(s, &r, known, drives);
+    return room ? 0 : options_failure(s->o.usage, "out of memory");
+}
+
+int levels_tell(struct fit_setup *s)
+{
+    double u[FIT_UNKNOWNS] = {0.0}, frequency = 0.0, drive = 0.0;
+    int status = 0;
+    for (int k = 0; k < s->n; k++)
+        u[k] = unknown_u(&s->unknown[k], s->unknown[k].start);
+    s->noise_known = true;
+    if (!find_resonance(s, &frequency, &drive))
+        return options_misuse(s->o.usage, "%s: the drive does not move the observable", s->name);
+    printf("%s: standard deviations from curves of %d points, %.4g to %.4g Hz, swept up, noise %g %%\n",
+           s->name, POINTS, low * frequency, high * frequency, 100.0 * noise);
+    printf("  %-22s", "drive");
+    for (int k = 0; k < s->n; k++)
+        printf(" %-13s", s->unknown[k].name);
+    putchar('\n');
+    for (int i = 0; i < LEVELS && !status; i++)
+        status = tell_row(s, u, frequency, 0.0, motion[i] * drive);
+    for (int i = 1; i < LEVELS && !status; i++)
+        status = tell_row(s, u, frequency, motion[0] * drive, motion[i] * drive);
+    return status;
+}
