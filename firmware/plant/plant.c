@@ -596,7 +596,7 @@ static bool run_block(struct plant *pl, struct quiet *q, uint32_t n)
 }
 
 /* As run_block, by a method that keeps books of its own: nothing has to follow behind. */
-static bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
+NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
 {
     struct ticks t = ticks_from(&q->b, q->done);
     unsigned drives = q->turning;
@@ -761,13 +761,14 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_
         if (q.done == BLOCK_TICKS)
             move_block(&q, pl->model->n_states, pl->books != BOOKS_OF_LEDGER);
         uint32_t from = q.done, room = BLOCK_TICKS - from;
-        good = (booked ? run_booked : run_block)(pl, &q, n < room ? n : room);
+        uint32_t asked = n < room ? n : room;
+        good = booked ? run_booked(pl, &q, asked) : run_block(pl, &q, asked);
         moved = q.done - from;
         if (several && moved > 0)
             several(who, pl, &q.b, from, moved);
         else if (look)
             look_at_ticks(pl, &q, from, look, who);
-        if (q.switched) {
+        if (booked && q.switched) {
             pass_switch(pl, &q);
             moved++;
             if (look)
