@@ -12,6 +12,7 @@
 static const double chi2_most = 4.0;
 static const double far = 10.0; /* standard deviations: a point beside a jump that is on its other side */
 static const double chi2_deviations = 4.0; /* above its mean: told */
+static const double chi2_least = 0.1;      /* below, the residuals are smaller than any that matter */
 static const double worst_most = 5.0;
 static const double runs_least = -4.0; /* fewer runs are told */
 
@@ -112,7 +113,7 @@ static void judge_residuals(struct fit_setup *s, const struct fit_result *r, str
     if (j->worst > worst_most)
         add(&j->n_notes, j->note,
             "the worst point is %.1f standard deviations off: look at it, or at the model", j->worst);
-    if (j->runs < runs_least)
+    if (j->runs < runs_least && j->chi2_each > chi2_least)
         add(&j->n_notes, j->note,
             "the residuals are not white (%.1f standard deviations): something in the rig is not in the "
             "model, and the "

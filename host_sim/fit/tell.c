@@ -48,7 +48,7 @@ const char *tell_width(const struct fit_unknown *k, double width, char *text)
 
 static void tell_table(const struct fit_setup *s, const struct fit_result *r, FILE *f)
 {
-    fprintf(f, "  %-14s %-24s %-12s %-12s %s\n", "", "value", "68 %", "95 %", "start");
+    fprintf(f, "  %-18s %-24s %-12s %-12s %s\n", "", "value", "68 %", "95 %", "start");
     for (int k = 0; k < s->n; k++) {
         const struct fit_unknown *x = &s->unknown[k];
         if (fit_is_hidden(x))
@@ -61,7 +61,7 @@ static void tell_table(const struct fit_setup *s, const struct fit_result *r, FI
                  tell_width(x, judge_quantile(s, r, true) * r->sd[k], wide));
         snprintf(narrow, sizeof narrow, "%.5g", x->start);
         unit_write(strtod(narrow, NULL), x->unit, start);
-        fprintf(f, "  %-14s %-24s %-12s %-12s %s\n", x->name, value, half[0], half[1], start);
+        fprintf(f, "  %-18s %-24s %-12s %-12s %s\n", x->name, value, half[0], half[1], start);
     }
 }
 
