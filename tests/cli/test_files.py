@@ -19,10 +19,10 @@ program = os.path.abspath(sys.argv[1])
 port = 31000 + os.getpid() % 800 * 10
 REFUSED = re.compile(r"^contactplant [a-z]+: .*(itself|read by this command|read by it|golden log|controller's command|choose two files|, too)\b.*\n$")
 # Options with FILE that read, and the placeholders of values that name no file.
-READS = {("run", "plants"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("scan", "surface"), ("basin", "rows")}
+READS = {("run", "plants"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("scan", "surface"), ("test", "requirements"), ("basin", "rows")}
 NO_FILE = {"A,B,...", "ADDRESS:PORT", "BUS", "CH=A,HZ,RAD", "CH=SD,STEPS,SEED", "D", "DT", "E", "FRAMES", "FROM:TO", "H", "HOST:PORT", "HZ", "I/N", "ID",
            "KIND", "LIST", "M", "M/S", "MACHINE", "MB", "N", "N,N/M,..", "NAME", "NAME,..", "NAME=FROM:TO", "NAME=FROM:TO:N",
-           "NAME=VALUE", "OUTPUT", "PERIODS", "POLICY", "S", "SHARE", "T", "T1,T2,...", "TIME", "WHERE", "X", "model|si"}
+           "NAME=VALUE", "OUTPUT", "PERIODS", "POLICY", "S", "SHARE", "T", "T1,T2,...", "TIME", "WHAT", "WHERE", "X", "model|si"}
 # Each subcommand with its inputs, quick where it may run. What is read: every name in the line that is a file, and those behind it.
 LINES = [
     (["run", "s.ini", "--duration", "0.02", "--bus", "udp:127.0.0.1:%d" % port], [], True),
