@@ -101,7 +101,7 @@ def judge_rigs():
         else:
             wrong.append("rig %d: %.1f deviations" % (seed, off))
     check("%d random rigs, starts off by up to two: none wrong and quiet" % rigs, not wrong, "; ".join(wrong))
-    check("  at least 95 %% right", right >= 0.95 * rigs, "%d; refused: %s" % (right, "; ".join(refused) or "none"))
+    check("  at least 95 % right", right >= 0.95 * rigs, "%d; refused: %s" % (right, "; ".join(refused) or "none"))
 
 
 def judge_bytes(other):
