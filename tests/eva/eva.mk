@@ -5,7 +5,7 @@ EVA := wire mailbox arm settings capture drive command advance telemetry plant c
 EVA_ALONE := -no-autoload-plugins -load-module eva
 EVA_LANGUAGE := -machdep gcc_x86_64 -c11
 EVA_FLAGS := -warn-special-float none -eva-no-show-progress -eva
-EVA_RIG := $(filter-out firmware/method/exact/% firmware/method/taylor/% firmware/method/float32/% firmware/method/auto.c firmware/method/method.c \
+EVA_RIG := $(filter-out firmware/method/adams/% firmware/method/exact/% firmware/method/taylor/% firmware/method/float32/% firmware/method/auto.c firmware/method/method.c \
            firmware/app/selftest.c firmware/app/plant_scene.c models/scenes/%,$(CORE_SRC))
 eva_src_wire    := firmware/bus/wire.c firmware/bus/wire_table.c models/math/elementary.c
 eva_src_mailbox := firmware/bus/mailbox.c $(eva_src_wire)
