@@ -37,7 +37,7 @@ cd /root || exit 1
 tar xzf "contactplant-$version.tar.gz" && cd "contactplant-$version" || exit 1
 # Of the unit tests, whose code is that of the tree, those that read files, or write some, where they stand.
 unit=$(echo tests/unit/main.c tests/unit/check.c tests/fixture/*.c tests/unit/library/*.c tests/unit/posix/test_log.c tests/unit/models/test_scenes.c)
-for name in client identity replay scene_file; do unit="$unit tests/unit/host/test_$name.c"; done
+for name in live/test_client host/test_identity host/test_replay host/test_scene_file; do unit="$unit tests/unit/$name.c"; done
 # Without optimisation: half the time, and a level of which the bits are asked, too.
 why=$(make -s WERROR=-Werror OPT=-O0 UNIT_SRC="$unit" PAPER_SRC= all build/unit build/hash_print 2>&1 >/dev/null)
 verdict $? "the tarball builds with make and gcc alone" "$why"

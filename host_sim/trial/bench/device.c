@@ -122,6 +122,14 @@ static bool open_bus(struct device *d)
     return true;
 }
 
+/* Before a try of a command: where the one before it was not answered, its answer may still be on the way,
+ * and counts. */
+static void expect_answer(struct device *d, unsigned kind, bool again)
+{
+    if (!again || d->client.reply.came)
+        client_expect(&d->client, kind);
+}
+
 static bool wait_answer(struct device *d)
 {
     return client_wait_reply(&d->client, answer_s) && d->client.reply.cause == CAUSE_OK;
@@ -158,7 +166,7 @@ static bool set_all(struct device *d, int n, const unsigned *index, const double
 {
     bool done = n == 0;
     for (int i = 0; i < TRIES && !done; i++) {
-        client_expect(&d->client, WIRE_PARAM_COMMIT);
+        expect_answer(d, WIRE_PARAM_COMMIT, i > 0);
         client_set(&d->client, n, index, value, COMMIT_NOW);
         done = wait_answer(d);
         client_enable(&d->client, true);
@@ -214,7 +222,7 @@ static bool command(struct device *d, enum control_operation operation, enum pla
 {
     bool done = d->client.latest.state == state && operation == CONTROL_PAUSE;
     for (int i = 0; i < TRIES && !done; i++) {
-        client_expect(&d->client, WIRE_CONTROL);
+        expect_answer(d, WIRE_CONTROL, i > 0);
         client_control(&d->client, operation, d->client.latest.frame);
         done = wait_answer(d) && client_wait_state(&d->client, state, answer_s);
         client_enable(&d->client, true);
@@ -301,7 +309,7 @@ static void send_act(struct device *d, const struct trial_act *a)
     unsigned index[ACTION_SETS];
     double value[ACTION_SETS], fraction = 0.0;
     c->session = c->latest.session;
-    client_expect(&d->client, WIRE_FIRE);
+    expect_answer(d, WIRE_FIRE, d->act_tries > 0);
     if (is_drive(a)) {
         action_fields(&a->what, field);
         client_arm_fields(c, a->what.input, field);

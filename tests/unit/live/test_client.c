@@ -185,6 +185,28 @@ static void hear_reply(unsigned session, unsigned message, unsigned counter, enu
     client_poll(&client);
 }
 
+/* A bus that takes its time, as SocketCAN to a board: the plant answers while the command still goes. */
+static int send_answered(void *context, const struct frame *f)
+{
+    struct message m;
+    if (wire_decode(&bus.scene, f, &m) == WIRE_OK)
+        hear_reply((unsigned)m.value[SESSION], m.kind, m.counter, CAUSE_OK);
+    return bus.wires.port[BUS_CONTROLLER].hal.send(context, f);
+}
+
+TEST(client_reply_while_it_sends)
+{
+    const struct app_config c = bus_config();
+    bus_start(&bus, &c);
+    struct hal slow = bus.wires.port[BUS_CONTROLLER].hal;
+    slow.send = send_answered;
+    client_init(&client, &slow, &bus.scene);
+    client.session = 3;
+    client_expect(&client, WIRE_CAPTURE);
+    client_capture(&client, CAPTURE_TRIGGER, 0, 0);
+    check_true("the answer counts", client.reply.came);
+}
+
 /* The one reply that counts is the first to this client's own command. */
 TEST(client_reply)
 {
