@@ -92,7 +92,8 @@ bool client_send(struct client *c, unsigned kind, int n, const double *value)
     for (int i = 0; i < n && i + 1 < layout->n_fields; i++)
         m.value[i + 1] = cut(&layout->field[i + 1], value[i]);
     wire_encode(&c->scene, &m, &f);
-    c->counter[kind] = (uint8_t)((m.counter + 1) % WIRE_COUNTER_STATES); /* the answer may come while it goes */
+    c->counter[kind] =
+        (uint8_t)((m.counter + 1) % WIRE_COUNTER_STATES); /* the answer may come while it goes */
     if (c->hal->send(c->hal->context, &f) != 1) {
         c->counter[kind] = m.counter;
         c->unsent++;
