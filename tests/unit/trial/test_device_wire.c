@@ -20,6 +20,7 @@ static void begin_plant(void)
         {.kind = METRIC_MAX, .signal = force, .from_s = 0.0095, .to_s = 0.02},
         {.kind = METRIC_MEAN, .signal = 0, .to_s = 0.02},
     };
+    scene_free(&plant.scene);
     memset(&plant, 0, sizeof plant);
     memset(&wire, 0, sizeof wire);
     check_true("the rig", scene_init(&plant.scene, "hertz_rig", why) && scene_start(&plant.scene, NULL, why));
@@ -80,4 +81,5 @@ TEST(device_wire_echo)
     check_string("a plant that does not echo", plant.measurement[0].untold,
                  "over UDP only the plant hears the controller, and it does not echo samples");
     check_true("  the outputs are judged", !plant.measurement[2].untold);
+    scene_free(&plant.scene);
 }
