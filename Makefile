@@ -214,8 +214,8 @@ bench: $(BUILD)/bench_frame ## time per frame, and error against cost beside SUN
 tolerance: $(BUILD)/tolerance_scenes ## 546 random scenes by auto, each against an integrator of the tests' own: SEED=1 (a minute)
 	@$(BUILD)/tolerance_scenes 546 $(or $(SEED),1)
 
-sweep-grids: $(BUILD)/contactplant ## jumps of every preset by three grids: docs/why/sweep_grids.md (PRESETS="rig tip": a part)
-	@$(PYTHON) tests/sweep/sweep_grids.py $(BUILD)/contactplant $(BUILD)/sweep_grids docs/why/sweep_grids.md $(PRESETS)
+sweep-grids: $(BUILD)/contactplant ## jumps of every preset by three grids: docs/reference/sweep_grids.md (PRESETS="rig tip": a part)
+	@$(PYTHON) tests/sweep/sweep_grids.py $(BUILD)/contactplant $(BUILD)/sweep_grids docs/reference/sweep_grids.md $(PRESETS)
 
 choose-seeds: $(BUILD)/choose_scenes ## certificates of 300 random scenes before another judge: SEED=2, DRAW=motion or force (two minutes)
 	@$(BUILD)/choose_scenes 360 $(or $(SEED),2) $(or $(DRAW),motion) -v
