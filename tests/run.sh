@@ -99,6 +99,8 @@ if all; then
     need lintian lintian
     need xmllint libxml2-utils
     need unzip unzip
+    need cmake cmake
+    need /usr/lib/python3.11/ensurepip python3-venv
     need /usr/include/cvode/cvode.h libsundials-dev
     need /usr/include/gsl/gsl_odeiv2.h libgsl-dev
     need /usr/include/boost/numeric/odeint.hpp libboost-dev
@@ -274,6 +276,8 @@ stage compute "board xlnx-zcu102-r5 in QEMU" tests/boards/boards.sh xlnx-zcu102-
 stage compute "the Makefile: flags, warnings, help" tests/house/test_make.sh
 stage compute "the test runner, with tests that fail" judge_runner
 more compute "fuzz corpus under the sanitizers" make -s fuzz-corpus
+more compute "a wheel, in a virtual environment" tests/library/test_wheel.sh build
+more compute "the library by find_package of CMake" tests/library/test_cmake.sh build
 more compute "a PLL in Verilog on the microscope" tests/verilog/test_verilog.sh build
 more compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
 more compute "a new model in a file pair and a row" tests/new_model/new_model.sh

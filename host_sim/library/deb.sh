@@ -1,5 +1,5 @@
 #!/bin/sh
-# deb.sh BUILD - Debian packages of this build, by the Makefile with ABI and VERSION: what make install installs, split into
+# deb.sh BUILD - Debian packages of this build, by the Makefile with ABI, VERSION and POINTER: what make install installs, split into
 # program, library and header. DEBFULLNAME and DEBEMAIL say who packs; without them it is nobody who can be written to.
 set -eu
 umask 022
@@ -29,6 +29,7 @@ move "$libdir/libcontactplant.so.$ABI" "$library"
 move "$libdir/libcontactplant.so" "$header"
 move "$libdir/libcontactplant.a" "$header"
 move "$libdir/pkgconfig" "$header"
+move "$libdir/cmake" "$header"
 move /usr/include "$header"
 move /usr/share/contactplant/python "$header"
 mkdir -p "$header/usr/share/doc/libcontactplant-dev"
@@ -80,7 +81,7 @@ breaks: alone, on a bus in memory, or as the controller at its other end.
 All state is in memory of the caller.
 EOF
 pack "$header" libdevel "libcontactplant$ABI (= $VERSION-1)" "real-time plant as a library: header and examples" <<'EOF'
-contactplant.h, the library to link statically, the flags for pkg-config,
-contactplant.py for Python, and examples of a page each: a unit test, a
-controller, both ends in one program, and a test suite in Python.
+contactplant.h, the library to link statically, the flags for pkg-config and
+CMake, contactplant.py for Python, and examples of a page each: a unit test,
+a controller, both ends in one program, and a test suite in Python.
 EOF

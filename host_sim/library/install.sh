@@ -1,11 +1,12 @@
 #!/bin/sh
-# install.sh install|uninstall BUILD - by the Makefile, with PREFIX, LIBDIR, DESTDIR, ABI and VERSION. One list for both: what is
+# install.sh install|uninstall BUILD - by the Makefile, with PREFIX, LIBDIR, DESTDIR, ABI, VERSION and POINTER. One list for both: what is
 # installed is what is removed, and then the folders that are nobody else's.
 set -eu
 action=$1
 build=$2
 share=$PREFIX/share
 doc=$share/doc/contactplant
+cmake=$LIBDIR/cmake/contactplant
 
 put() { # MODE FOLDER FILE..
     mode=$1
@@ -44,12 +45,14 @@ if [ "$action" = install ]; then
     done
     sed -e "s|@PREFIX@|$(plain "$PREFIX")|" -e "s|@LIBDIR@|$(plain "$LIBDIR")|" -e "s|@VERSION@|$VERSION|" host_sim/library/contactplant.pc.in \
         >"$prints/contactplant.pc"
+    host_sim/library/cmake.sh "$prints/cmake" "$cmake" "$LIBDIR" "$PREFIX/include"
 fi
 
 put 755 "$PREFIX/bin" "$build/contactplant"
 put 644 "$LIBDIR" "$build/libcontactplant.a" "$build/libcontactplant.so.$ABI"
 link "libcontactplant.so.$ABI" "$LIBDIR/libcontactplant.so"
 put 644 "$LIBDIR/pkgconfig" "$prints/contactplant.pc"
+put 644 "$cmake" "$prints/cmake/contactplant-config.cmake" "$prints/cmake/contactplant-config-version.cmake"
 put 644 "$PREFIX/include" host_sim/library/contactplant.h
 put 644 "$share/man/man1" "$prints/contactplant.1"
 put 644 "$share/bash-completion/completions" "$prints/completions/contactplant"
@@ -86,7 +89,7 @@ if [ "$action" = uninstall ]; then
     [ ! -d "$DESTDIR$PREFIX/lib/contactplant" ] || find "$DESTDIR$PREFIX/lib/contactplant" -depth -type d -empty -delete
     rm -f "$DESTDIR$share/contactplant/python/__pycache__/contactplant."*.pyc
     for folder in "$share/contactplant/python/__pycache__" "$share/contactplant/python" "$share/contactplant/scenes" \
-        "$share/contactplant" $(echo "$pages" | LC_ALL=C sort -r | sed "s|^|$doc/|") $(echo "$linked" | sed "s|/[^/]*$||; p; s|/.*||" | LC_ALL=C sort -ru | sed "s|^|$doc/|") "$doc" "$LIBDIR/pkgconfig" "$LIBDIR" \
+        "$share/contactplant" $(echo "$pages" | LC_ALL=C sort -r | sed "s|^|$doc/|") $(echo "$linked" | sed "s|/[^/]*$||; p; s|/.*||" | LC_ALL=C sort -ru | sed "s|^|$doc/|") "$doc" "$LIBDIR/pkgconfig" "$cmake" "$LIBDIR/cmake" "$LIBDIR" \
         "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
         "$PREFIX/lib" "$PREFIX/bin" "$PREFIX/include"; do
         rmdir "$DESTDIR$folder" 2>/dev/null || true

@@ -17,7 +17,7 @@ PUBLIC   = $(ROOM)/libcontactplant.a
 SHARED   = $(BUILD)/libcontactplant.so.$(ABI)
 LIB_OBJ  = $(if $(CROSS),$(LIB_SRC:%.c=$(ROOM)/%.o),$(call obj,$(LIB_SRC)))
 
-lib: $(PUBLIC) $(if $(CROSS),,$(SHARED)) ## libcontactplant.a and libcontactplant.so; CROSS=arm-none-eabi- LIB_FLAGS=.. for firmware
+lib: $(PUBLIC) $(if $(CROSS),,$(SHARED)) $(ROOM)/contactplant-config.cmake ## libcontactplant.a and libcontactplant.so; CROSS=arm-none-eabi- LIB_FLAGS=.. for firmware
 
 ifdef CROSS
 # A cross compiler may come without a C library: the declarations are enough for it.
@@ -37,15 +37,19 @@ $(ROOM)/libcontactplant.o: $(LIB_OBJ)
 $(PUBLIC): $(ROOM)/libcontactplant.o
 	@rm -f $@
 	@$(CROSS)ar rcs $@ $<
+# find_package(contactplant) finds it there, too: -D contactplant_DIR=build, or the room of a cross compiler.
+POINTER = $(shell $(if $(CROSS),$(CROSS)gcc $(LIB_FLAGS),$(CC) $(EXTRA)) -dM -E -x c /dev/null | sed -n 's/.*__SIZEOF_POINTER__ //p')
+$(ROOM)/contactplant-config.cmake: $(addprefix host_sim/library/,cmake.sh contactplant-config.cmake.in contactplant-config-version.cmake.in) $(PUBLIC)
+	@ABI=$(ABI) VERSION=$(VERSION) POINTER=$(POINTER) host_sim/library/cmake.sh $(ROOM) $(ROOM) $(ROOM) host_sim/library
 $(SHARED): $(LIB_OBJ)
 	@$(CC) $(CFLAGS) -shared -Wl,-soname,$(@F) -Wl,--no-undefined -Wl,--gc-sections $^ -lm -o $@
 	@ln -sf $(@F) $(BUILD)/libcontactplant.so
 
-install: all ## program, library, header, contactplant.pc, man page, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
-	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh install $(BUILD)
+install: all ## program, library, header, contactplant.pc, CMake config, man page, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
+	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) POINTER=$(POINTER) host_sim/library/install.sh install $(BUILD)
 	@echo "installed contactplant $(VERSION) in $(DESTDIR)$(PREFIX)"
 uninstall: $(BUILD)/contactplant fmu ## removes what make install with the same variables has installed
-	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) host_sim/library/install.sh uninstall $(BUILD)
+	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) POINTER=$(POINTER) host_sim/library/install.sh uninstall $(BUILD)
 
 # For tests that build the library in another way.
 lib-sources:

@@ -1,4 +1,4 @@
-# package.mk - the product as a tarball and as Debian packages.
+# package.mk - the product as a tarball, as Debian packages, and for Python.
 TARBALL = $(BUILD)/contactplant-$(VERSION).tar.gz
 
 # Equal bytes for equal commits.
@@ -10,6 +10,9 @@ dist: ## build/contactplant-VERSION.tar.gz: the last commit, which builds and pa
 	@echo "$(TARBALL)"
 
 deb: all ## Debian packages of this build in build/deb: program, library, header; needs dpkg-dev
-	@ABI=$(ABI) VERSION=$(VERSION) host_sim/library/deb.sh $(BUILD)
+	@ABI=$(ABI) VERSION=$(VERSION) POINTER=$(POINTER) host_sim/library/deb.sh $(BUILD)
 
-.PHONY: dist deb
+wheel: lib ## a wheel of contactplant.py with the library in build/wheel, for pip; needs python3 alone
+	@$(PYTHON) host_sim/python/wheel.py $(BUILD) $(CC) $(OPT) $(EXTRA)
+
+.PHONY: dist deb wheel

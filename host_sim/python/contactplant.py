@@ -209,12 +209,12 @@ class _Library:
 
 
 def _find_library():
-    """CONTACTPLANT_LIBRARY, the tree in which this file is installed or built, or where the system looks."""
+    """CONTACTPLANT_LIBRARY, the wheel or the tree in which this file is installed or built, or where the system looks."""
     named = os.environ.get("CONTACTPLANT_LIBRARY")
     if named:
         return named
     for folder in pathlib.Path(__file__).resolve().parents:
-        for place in ("lib", "lib64", "build"):
+        for place in ("contactplant.libs", "lib", "lib64", "build"):
             if (folder / place / _LIBRARY).is_file():
                 return str(folder / place / _LIBRARY)
     return _LIBRARY
