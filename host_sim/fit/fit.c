@@ -7,6 +7,7 @@
 #include "host_sim/fit/judge.h"
 #include "host_sim/fit/levels.h"
 #include "host_sim/fit/show/picture.h"
+#include "host_sim/replay/decode_signals.h"
 #include "host_sim/fit/tell.h"
 
 static const struct option fit_options[] = {
@@ -16,6 +17,11 @@ static const struct option fit_options[] = {
      .many = true},
     {"series", "FILE", "a motion under a drive: time, displacement and force; repeatable", OPTION_READS,
      .many = true},
+    {"log", "FILE", "a log of the plant or rig, of run --log, candump -L or Wireshark (pcapng); repeatable",
+     OPTION_READS, .many = true},
+    {"base-id", "ID", "of --log: first of the plant's 64 CAN identifiers (0x200)", OPTION_INTEGER, 0.0,
+     536870848.0, .initial = "0x200"},
+    {"extended", NULL, "of --log: 29-bit identifiers", OPTION_FLAG, .initial = NULL},
     {"plan", NULL, "before measuring: which curves would tell the unknowns, and how well", OPTION_FLAG,
      .initial = NULL},
     {"free", "NAME,..",
@@ -43,11 +49,12 @@ static const struct usage fit_usage = {
         "  contactplant fit rig.ini --sweep small.csv --hold \"preload=64 N\"\n"
         "  contactplant fit rig.ini --ring decay.csv --free stiffness,preload,damping --hold "
         "\"mass=6.1 kg\"\n"
+        "  contactplant fit rig.ini --log bench.log --interface can0\n"
         "  contactplant fit rig.ini --plan --free stiffness,preload,damping\n"
         "  contactplant fit rig.ini --sweep small.csv --free mass,stiffness,damping,delay\n",
     .min_words = 1,
     .max_words = 1,
-    .table = {fit_options},
+    .table = {fit_options, decode_log_options},
 };
 
 static int conclude(struct fit_setup *s, const struct fit_result *r, const struct judged *j)

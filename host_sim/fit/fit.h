@@ -24,7 +24,8 @@ enum fit_kind {
     FIT_DELAY,
     FIT_OFFSET,
     FIT_POSITION, /* in which a record begins, from rest */
-    FIT_VELOCITY
+    FIT_VELOCITY,
+    FIT_PHASE /* a tone's, where that is not known */
 };
 
 struct fit_unknown {

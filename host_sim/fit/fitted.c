@@ -28,6 +28,8 @@ static void put_comments(const struct fit_setup *s, const struct fit_result *r, 
     for (int c = 0; c < s->data.n; c++)
         fprintf(f, "# data: %.100s, drive %.6g %s\n", s->data.curve[c].path, s->data.curve[c].amplitude,
                 s->scene.model->input_signal[s->data.curve[c].input].unit);
+    for (int i = 0; i < s->records.n; i++)
+        fprintf(f, "# data: %.100s, %d rows\n", s->records.record[i].path, s->records.record[i].n);
     fprintf(f, "# CRC-32 of the data files in the order of the command: %08x\n", s->crc);
     for (int k = 0; k < s->n; k++)
         put_interval(s, r, k, f);

@@ -14,6 +14,7 @@ static const double far = 10.0; /* standard deviations: a point beside a jump th
 static const double chi2_deviations = 4.0; /* above its mean: told */
 static const double chi2_least = 0.1;      /* below, the residuals are smaller than any that matter */
 static const double worst_most = 5.0;
+static const double left_most = 0.1;   /* share of a motion that is left where its noise is not known */
 static const double runs_least = -4.0; /* fewer runs are told */
 
 static void add(int *n, char (*text)[JUDGE_TEXT], const char *format, ...)
@@ -121,6 +122,18 @@ static void judge_residuals(struct fit_setup *s, const struct fit_result *r, str
             -j->runs);
 }
 
+/* A noise that was taken from the residuals hides a wrong model where neighbours in a record differ much. */
+static void judge_records(const struct fit_setup *s, struct judged *j)
+{
+    for (int i = 0; i < s->records.n; i++) {
+        const struct record *x = &s->records.record[i];
+        if (x->assumed && x->noise > left_most * x->size)
+            add(&j->n, j->reason,
+                "%s: the fit leaves %.0f %% of this motion; this plant does not give it, or say its noise",
+                x->path, 100.0 * x->noise / x->size);
+    }
+}
+
 /* ---- motions ---- */
 
 /* Is this point on another branch than the sweep's direction leads to? */
@@ -187,6 +200,7 @@ void judge_fit(struct fit_setup *s, const struct fit_result *r, struct judged *j
 {
     *j = (struct judged){.worst = 0.0};
     judge_residuals(s, r, j);
+    judge_records(s, j);
     judge_jumps(s, r, j);
     judge_bounds(s, r, j);
     judge_starts(r, j);

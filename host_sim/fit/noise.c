@@ -20,7 +20,7 @@ void noise_assume(struct fit_setup *s)
         struct record *r = &s->records.record[i];
         r->assumed = !(r->noise > 0.0);
         s->noise_known = s->noise_known && !r->assumed;
-        r->noise = r->assumed ? NOISE_ASSUMED * r->size : r->noise;
+        r->noise = fmax(r->assumed ? NOISE_ASSUMED * r->size : r->noise, r->floor);
     }
 }
 
@@ -50,7 +50,9 @@ void noise_estimate(struct fit_setup *s, const double *r)
             for (int i = 0; i < s->data.curve[c].n; i++)
                 s->data.curve[c].point[i].sigma *= factor;
         }
-    for (int i = 0; i < s->records.n; i++)
-        if (s->records.record[i].assumed)
-            s->records.record[i].noise *= fmax(sqrt(variance_of(s, r, -1, i)), NOISE_LEAST / NOISE_ASSUMED);
+    for (int i = 0; i < s->records.n; i++) {
+        struct record *x = &s->records.record[i];
+        double factor = fmax(sqrt(variance_of(s, r, -1, i)), NOISE_LEAST * x->size / x->noise);
+        x->noise = fmax(x->noise * (x->assumed ? factor : 1.0), x->floor);
+    }
 }

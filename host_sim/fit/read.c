@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/fit/data/log_record.h"
+#include "host_sim/fit/motion/linear.h"
 #include "host_sim/fit/noise.h"
 #include "host_sim/fit/solve/problem.h"
 #include "host_sim/scene/scene_load.h"
@@ -176,6 +178,46 @@ static int read_held(struct fit_setup *s, bool *held)
     return status;
 }
 
+/* The phase of y at this frequency, in its later half: that of its first harmonic. */
+static double phase_seen(const struct record *r)
+{
+    double re = 0.0, im = 0.0, mean = 0.0;
+    int n = 0;
+    for (int i = r->n / 2; i < r->n; i++)
+        if (!isnan(r->y[i])) {
+            mean += r->y[i];
+            n++;
+        }
+    for (int i = r->n / 2; i < r->n; i++) {
+        double cosine, sine, turns = r->tone.frequency_Hz * i * r->step_s;
+        cos_sin(2.0 * ELEMENTARY_PI * (turns - floor(turns)), &cosine, &sine);
+        re += isnan(r->y[i]) ? 0.0 : (r->y[i] - mean / n) * cosine;
+        im -= isnan(r->y[i]) ? 0.0 : (r->y[i] - mean / n) * sine;
+    }
+    return atan2(im, re);
+}
+
+/* The phase of a tone that is not known, from what the linear plant of the scene makes of it. */
+static int add_phase(struct fit_setup *s, int i)
+{
+    const struct record *r = &s->records.record[i];
+    struct fit_unknown k = {
+        .kind = FIT_PHASE, .index = i, .unit = "", .min = -1e12, .max = 1e12, .unit_of_u = 1.0};
+    struct orbit_task t = s->task;
+    struct harmonic drive[MODEL_INPUTS];
+    double re, im;
+    if (r->input < 0 || !(r->tone.amplitude > 0.0) || r->tone.phase_known)
+        return 0;
+    scenes_resolve(&s->scene, t.si, drive);
+    t.input = r->input;
+    t.output = r->output;
+    t.amplitude = r->tone.amplitude;
+    if (linear_response(&t, r->tone.frequency_Hz, &re, &im))
+        k.start = phase_seen(r) - atan2(im, re);
+    snprintf(k.name, sizeof k.name, "phase of record %d", i + 1);
+    return add_unknown(s, &k);
+}
+
 /* The state in which each record begins: from rest, as large as its motion. */
 static int add_starts(struct fit_setup *s)
 {
@@ -197,6 +239,7 @@ static int add_starts(struct fit_setup *s)
             snprintf(k.name, sizeof k.name, "%s of record %d", v ? "velocity" : "position", i + 1);
             status = add_unknown(s, &k);
         }
+        status = status ? status : add_phase(s, i);
     }
     return status;
 }
@@ -236,6 +279,8 @@ static int read_data(struct fit_setup *s)
         status = records_read(u, options_text(&s->o, "ring", i), &s->scene, false, &s->crc, &s->records);
     for (int i = 0; i < options_count(&s->o, "series") && !status; i++)
         status = records_read(u, options_text(&s->o, "series", i), &s->scene, true, &s->crc, &s->records);
+    for (int i = 0; i < options_count(&s->o, "log") && !status; i++)
+        status = log_record_read(&s->o, options_text(&s->o, "log", i), &s->crc, &s->records);
     if (status)
         return status;
     bool plan = options_given(&s->o, "plan"), measured = s->data.n || s->records.n;
@@ -246,7 +291,7 @@ static int read_data(struct fit_setup *s)
         return misuse(s, "--plan prints a table alone: take --out, --svg and --report away");
     if (!plan && !measured)
         return misuse(
-            s, "no data: give a response curve, --sweep FILE, or a record, --ring FILE or --series FILE");
+            s, "no data: give a response curve, --sweep FILE, or a record: --ring, --series or --log FILE");
     if (s->records.n && s->scene.model->n_states != 2)
         return misuse(s, "records are taken of models with one degree of freedom; give response curves");
     sort_curves(&s->data);
@@ -267,7 +312,7 @@ static int make_room(struct fit_setup *s)
     }
     for (int i = 0; i < s->records.n; i++) {
         s->n_residuals += s->records.record[i].n;
-        numbers += s->records.record[i].n;
+        numbers += record_count(s->records.record[i].y, s->records.record[i].n);
     }
     if (numbers <= s->n && !options_given(&s->o, "plan"))
         return misuse(s, "%d numbers for %d unknowns: measure more points, or hold some unknowns", numbers,

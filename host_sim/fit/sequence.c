@@ -1,6 +1,7 @@
 /* sequence.c - see sequence.h. */
 #include "host_sim/fit/sequence.h"
 
+#include <math.h>
 #include <stdio.h>
 
 bool sequence_nth(const struct fit_setup *s, int q, struct sequence *e)
@@ -25,7 +26,7 @@ bool sequence_nth(const struct fit_setup *s, int q, struct sequence *e)
 
 bool sequence_counts(const struct fit_setup *s, const struct sequence *e, int i)
 {
-    return e->curve < 0 || !s->point[e->curve][i].flank;
+    return e->curve < 0 ? !isnan(s->records.record[e->record].y[i]) : !s->point[e->curve][i].flank;
 }
 
 void sequence_name(const struct fit_setup *s, const struct sequence *e, int i, char *text, size_t size)

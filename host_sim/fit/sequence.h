@@ -13,7 +13,7 @@ struct sequence {
 /* Sequence q; false: there are no more. */
 bool sequence_nth(const struct fit_setup *s, int q, struct sequence *e);
 
-/* Number i counts: no jump is beside it. */
+/* Number i counts: it was measured, and no jump is beside it. */
 bool sequence_counts(const struct fit_setup *s, const struct sequence *e, int i);
 
 /* "small.csv:12, 225 Hz" or "ring.csv, 12 ms": the place of number i, into text[size]. */

@@ -128,14 +128,22 @@ static bool take_numbers(struct scene_app *s, const struct options *o, char *why
         c->substeps = (uint32_t)options_number(o, "substeps");
     if (options_given(o, "dilation"))
         c->dilation = options_number(o, "dilation");
-    c->base_id = (uint32_t)options_number(o, "base-id");
-    c->extended = options_given(o, "extended");
     if (!c->method && scene_kind(c->model)->method)
         snprintf(why, SCENE_REASON, "--method %s: a %s has a method of its own; leave it out", method,
                  c->model->name);
     else if (!c->method)
         scene_method_refuse(method, why);
-    else if (c->base_id % WIRE_BASE_ALIGN)
+    else
+        return scene_take_identifiers(s, o, why);
+    return false;
+}
+
+bool scene_take_identifiers(struct scene_app *s, const struct options *o, char *why)
+{
+    struct app_config *c = &s->config;
+    c->base_id = (uint32_t)options_number(o, "base-id");
+    c->extended = options_given(o, "extended");
+    if (c->base_id % WIRE_BASE_ALIGN)
         snprintf(why, SCENE_REASON, "--base-id 0x%X is not a multiple of 0x%X; 0x%X is", c->base_id,
                  WIRE_BASE_ALIGN, c->base_id / WIRE_BASE_ALIGN * WIRE_BASE_ALIGN);
     else if (!c->extended && c->base_id > 0x7FF - (WIRE_KINDS - 1))

@@ -27,6 +27,9 @@ bool scene_from_options(struct scene_app *s, const struct options *o, int i_word
 /* scene_init of this name, and everything the options say. False: why[SCENE_REASON] says what to do. */
 bool scene_from_name(struct scene_app *s, const struct options *o, const char *name, char *why);
 
+/* --base-id and --extended into the configuration. False: why[SCENE_REASON]. */
+bool scene_take_identifiers(struct scene_app *s, const struct options *o, char *why);
+
 /* Lines on stderr where the scene leaves a source paper's range; none for a bare model. */
 void scene_warn(const struct scene_app *s, const struct usage *u);
 

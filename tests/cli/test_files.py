@@ -19,7 +19,7 @@ program = os.path.abspath(sys.argv[1])
 port = 31000 + os.getpid() % 800 * 10
 REFUSED = re.compile(r"^contactplant [a-z]+: .*(itself|read by this command|read by it|golden log|controller's command|choose two files|, too)\b.*\n$")
 # Options with FILE that read, and the placeholders of values that name no file.
-READS = {("run", "plants"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("scan", "surface"), ("test", "requirements"), ("basin", "rows")}
+READS = {("run", "plants"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("fit", "log"), ("scan", "surface"), ("test", "requirements"), ("basin", "rows")}
 NO_FILE = {"A,B,...", "ADDRESS:PORT", "BUS", "CH=A,HZ,RAD", "CH=SD,STEPS,SEED", "D", "DT", "E", "FRAMES", "FROM:TO", "H", "HOST:PORT", "HZ", "I/N", "ID",
            "KIND", "LIST", "M", "M/S", "MACHINE", "MB", "N", "N,N/M,..", "NAME", "NAME,..", "NAME=FROM:TO", "NAME=FROM:TO:N",
            "NAME=VALUE", "OUTPUT", "PERIODS", "POLICY", "S", "SHARE", "T", "T1,T2,...", "TIME", "WHAT", "WHERE", "X", "model|si"}
@@ -37,6 +37,7 @@ LINES = [
     (["thermal", "lever.ini", "--seconds", "0.25"], [], True),
     (["choose", "s.ini"], [], True),
     (["fit", "s.ini", "--sweep", "c.csv", "--hold", "preload=64 N", "--force"], [], True),
+    (["fit", "s.ini", "--log", "run.log"], [], False),
     (["sweep", "s.ini", "--sweep", "force.frequency=150:160:2", "--settle", "10"], [], True),
     (["basin", "s.ini", "--starts", "2"], [], True),
     (["basin", "s.ini", "--rows", "rows.csv"], [], False),

@@ -6,6 +6,7 @@ import math
 import os
 import random
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,7 @@ import zlib
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "../house"))
+from lockstep_client import CRC  # noqa: E402
 from verdicts import check, conclude, verdict  # noqa: E402
 
 program = os.path.abspath(sys.argv[1])
@@ -147,6 +149,118 @@ def record(n, step, begin, force, frequency, noise, seed, rig=TRUE):
             v4, a4 = v + h * a3, rate(z + h * v3, v + h * a3, t + h)
             z, v = z + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
     return rows
+
+
+def held_record(n, force, seed, size, rig=TRUE):
+    """Displacements at frames of 1 ms, and the force that was held before each, by the classical Runge-Kutta method: random steps."""
+    m, k, load, c = rig["mass"], rig["stiffness"], rig["preload"], rig["damping"]
+    z, v, parts, g, rows, f = (load / k) ** (2 / 3), 0.0, 40, random.Random(seed), [], 0.0
+    h = 1e-3 / parts
+    for i in range(n):
+        rows.append((z, f))
+        f = force * (1 if g.random() < 0.5 else -1) * size
+        for _ in range(parts):
+            def rate(z, v):
+                return (load + f - c * v - (k * z * math.sqrt(z) if z > 0 else 0)) / m
+            v1, a1 = v, rate(z, v)
+            v2, a2 = v + h / 2 * a1, rate(z + h / 2 * v1, v + h / 2 * a1)
+            v3, a3 = v + h / 2 * a2, rate(z + h / 2 * v2, v + h / 2 * a2)
+            v4, a4 = v + h * a3, rate(z + h * v3, v + h * a3)
+            z, v = z + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    return rows
+
+
+STREAM, MOTION, SYNC = 0x204, 0x214, 0x216
+COUNTERS = {}
+
+
+def can(at, interface, identifier, high, payload):
+    """A line of candump -L; payload: bytes 2 to 7."""
+    n = COUNTERS[identifier] = (COUNTERS.get(identifier, -1) + 1) % 15
+    body, crc = bytes([n | high << 4]) + payload, 0
+    for byte in struct.pack("<H", identifier) + body:
+        crc = CRC[crc ^ byte]
+    return "(%.6f) %s %03X#%02X%s" % (1732735000 + at, interface, identifier, crc, body.hex().upper())
+
+
+def candump(rows, lsb, interface="can0", streams=True):
+    """What a rig with these rows says and hears: SYNC, MOTION and, before the frame in which it acts, STREAM."""
+    COUNTERS.clear()
+    lines = []
+    for i, (z, _) in enumerate(rows):
+        lines.append(can(1e-3 * i, interface, SYNC, 0, struct.pack("<HI", i & 0xFFFF, 64 * i)))
+        lines.append(can(1e-3 * i + 1e-4, interface, MOTION, 1, struct.pack("<i", round(z / lsb))[:3] + bytes(3)))
+        if streams and i + 1 < len(rows):
+            lines.append(can(1e-3 * i + 2e-4, interface, STREAM, 1, struct.pack("<Hf", i & 0xFFFF, rows[i + 1][1])))
+    return lines
+
+
+def test_logs():
+    lsb = float(re.search(r"DISPLACEMENT : 16\|24@1- \((\S+),0\)", run("dbc", "rig.ini").stdout)[1])
+    rows = held_record(300, 2.0, 11, 1.0)
+    lines = candump(rows, lsb)
+
+    def fit_log(lines, *words, name="bench.log"):
+        put(name, "\n".join(lines) + "\n")
+        return fit("--log", name, "--hold", "mass=6.1 kg", *words)
+
+    whole = fit_log(lines)
+    verdict("a candump of a streamed force gives the contact", whole.returncode == 0 and off(whole.stdout) < 1.5 and max(w for _, w in table(whole.stdout).values()) < 0.01, told(whole))
+    verdict("  its rows are told", "298 values of displacement, driven by force" in whole.stderr and "STREAM alone" in whole.stderr and "tells no identity" in whole.stderr, told(whole))
+    motions = [i for i, line in enumerate(lines) if " 214#" in line]
+    lost = set(motions[30:60]) | set(motions[200:290:3])
+    r = fit_log([line for i, line in enumerate(lines) if i not in lost], "--svg", "gaps.svg")
+    verdict("  missing frames are gaps", r.returncode == 0 and off(r.stdout) < 1.5 and "%d values" % (298 - len(lost)) in r.stderr and "of %d numbers" % (298 - len(lost)) in r.stdout, told(r))
+    verdict("  in the picture, too", "nan" not in open(os.path.join(directory, "gaps.svg")).read().lower(), "")
+    beyond = list(lines)
+    for i in motions[100:105]:
+        beyond[i] = can(1e-3 * 100, "can0", MOTION, 1, b"\0\0\x80" + bytes(3))
+    COUNTERS.clear()
+    for i in motions:
+        number, payload = beyond[i].split("#")[0], bytes.fromhex(beyond[i].split("#")[1])[2:]
+        beyond[i] = number + "#" + can(0, "can0", MOTION, 1, payload).split("#")[1]
+    r = fit_log(beyond)
+    verdict("  values beyond the bus's range are left out and counted", r.returncode == 0 and off(r.stdout) < 1.5 and "5 values of displacement beyond" in r.stderr and
+            "293 values" in r.stderr, told(r))
+    both = [line for pair in zip(lines, candump(rows, lsb, "can1")) for line in pair]
+    r = fit_log(both)
+    verdict("two interfaces: one is to be chosen", r.returncode == 2 and "can0 and can1" in r.stderr and "--interface can0" in r.stderr, told(r))
+    r = fit_log(both, "--interface", "can1")
+    verdict("  --interface can1", r.returncode == 0 and table(r.stdout) == table(whole.stdout), told(r))
+    run("export", "bench.log", "--out", "no.pcapng")
+    put("bench.log", "\n".join(lines) + "\n")
+    exported = run("export", "bench.log", "--out", "bench.pcapng")
+    r = fit("--log", "bench.pcapng", "--hold", "mass=6.1 kg")
+    verdict("the log as pcapng: the same numbers", exported.returncode == 0 and r.returncode == 0 and table(r.stdout) == table(whole.stdout), told(exported) + told(r))
+    tiny = held_record(300, 2.0, 12, 1e-2)
+    r = fit_log(candump(tiny, lsb), "--free", "stiffness,damping", "--hold", "preload=80 N")
+    chi2 = float(re.search(r"chi\^2 per number (\S+),", r.stdout)[1]) if r.returncode == 0 else 0
+    verdict("a motion of few steps of the bus: their rounding is the noise", 0.5 < chi2 < 2 and off(r.stdout) < 2, told(r))
+    for name, these, words, why in (
+            ("no drive", candump(rows, lsb, streams=False), (), "the drive is not told"), ("few frames", lines[:60], (), "no part of 32 frames"),
+            ("samples missing", [line for i, line in enumerate(lines) if i % 60 != 2], (), "samples of STREAM are missing"),
+            ("other identifiers", lines, ("--base-id", "0x240"), "--base-id"), ("no multiple", lines, ("--base-id", "0x241"), "multiple of 0x40"),
+            ("nothing of a plant", ["(1.000000) can0 123#00"], (), "no SYNC"), ("no log", ["1,2,3"], (), "candump -L")):
+        r = fit_log(these, *words, "--out", "no.ini")
+        last = r.stderr.splitlines()[-1] if r.stderr else ""
+        verdict("bad log, %s: %s" % (name, why), r.returncode == 2 and why in last and not r.stdout and not exists("no.ini"), told(r))
+    r = fit("--log", "none.log")
+    verdict("bad log, none: one line", r.returncode == 2 and r.stderr.count("\n") == 1 and "none.log" in r.stderr, told(r))
+
+
+def test_plant_logs():
+    sounding = open(os.path.join(directory, "true.ini")).read()
+    put("plant.test", "[plant]\nscene = true.ini\n[controller]\nbuiltin = keep\n[case a]\nover = 1.5 s\nexpect touchdowns >= 0\n[case b]\nrate = 2 kHz\nover = 0.2 s\nexpect touchdowns >= 0\n")
+    verdict("true.ini drives its force", "amplitude = 3 N" in sounding, sounding)
+    assert run("test", "plant.test", "--log", ".").returncode == 0
+    r = fit("--log", "plant.a.log", "--out", "logged.ini")
+    got = table(r.stdout)
+    verdict("the log of a plant whose scene drives it gives all four", r.returncode == 0 and all(abs(got[k][0] / TRUE[k] - 1) < 1e-4 for k in TRUE), told(r))
+    text = open(os.path.join(directory, "logged.ini")).read() if exists("logged.ini") else ""
+    crc = "%08x" % zlib.crc32(open(os.path.join(directory, "plant.a.log"), "rb").read())
+    verdict("  with the CRC-32 of the log", crc in text and "data: plant.a.log" in text, text[:500])
+    r = fit("--log", "plant.b.log")
+    verdict("the log of another rate is another plant's", r.returncode == 2 and "is of another plant" in r.stderr and r.stderr.count("\n") == 1, told(r))
 
 
 def ring_text(rows, head="# noise = 20 nm\ntime_ms,displacement_um\n"):
@@ -347,6 +461,8 @@ test_numbers()
 test_together()
 test_forms()
 test_records()
+test_logs()
+test_plant_logs()
 test_plan()
 test_pictures()
 test_sweep()

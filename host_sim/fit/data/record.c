@@ -152,20 +152,28 @@ static int read_rows(struct table *t, struct file *f)
 
 /* ---- what is seen without a plant ---- */
 
+int record_count(const double *y, int n)
+{
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        count += !isnan(y[i]);
+    return count;
+}
+
 static double mean_of(const double *y, int n)
 {
     double sum = 0.0;
     for (int i = 0; i < n; i++)
-        sum += y[i];
-    return sum / n;
+        sum += isnan(y[i]) ? 0.0 : y[i];
+    return sum / record_count(y, n);
 }
 
-static double deviation_of(const double *y, int n)
+double record_deviation(const double *y, int n)
 {
     double mean = mean_of(y, n), sum = 0.0;
     for (int i = 0; i < n; i++)
-        sum += (y[i] - mean) * (y[i] - mean);
-    return sqrt(sum / n);
+        sum += isnan(y[i]) ? 0.0 : (y[i] - mean) * (y[i] - mean);
+    return sqrt(sum / record_count(y, n));
 }
 
 /* Frequency by the rising crossings of the later half, and decay by the size of its two parts. */
@@ -174,7 +182,7 @@ static bool estimate(struct record *r)
     const double *y = r->y + r->n / 2;
     int n = r->n - r->n / 2, turns = -1;
     double mean = mean_of(y, n), first = 0.0, last = 0.0;
-    double level = 0.3 * deviation_of(y, n);
+    double level = 0.3 * record_deviation(y, n);
     bool low = false;
     for (int i = 1; i < n; i++) {
         low = low || y[i] < mean - level;
@@ -188,7 +196,7 @@ static bool estimate(struct record *r)
     if (turns < TURNS_LEAST)
         return false;
     r->frequency_Hz = turns / ((last - first) * r->step_s);
-    double early = deviation_of(r->y, r->n / 2), late = deviation_of(y, n);
+    double early = record_deviation(r->y, r->n / 2), late = record_deviation(y, n);
     r->decay_per_s = fmax(early / late - 1.0, 1e-3) / (0.5 * r->n * r->step_s);
     return true;
 }
@@ -213,7 +221,7 @@ static int take_noise(struct table *t, struct file *f)
 static int conclude(struct table *t, struct file *f, bool driven)
 {
     struct record *r = &f->record;
-    r->size = deviation_of(r->y, r->n);
+    r->size = record_deviation(r->y, r->n);
     if (!(r->size > 0.0))
         return table_wrong(t, -1, "nothing moves in this record");
     int end = t->line, status = take_noise(t, f);

@@ -6,8 +6,8 @@
 
 enum { CONTACT_TICKS = 8, FINE = 5, TICKS_MOST = 10000 };
 
-/* Ticks in a step: enough of them in a period of the contact. */
-static const char *set_up(const struct orbit_task *t, double step_s, struct plant *pl, int *ticks)
+/* Ticks in a step: enough of them in a period of contact and drive. */
+static const char *set_up(const struct orbit_task *t, const struct record *r, struct plant *pl, int *ticks)
 {
     double p[MODEL_DERIVED];
     struct scale scale;
@@ -16,7 +16,8 @@ static const char *set_up(const struct orbit_task *t, double step_s, struct plan
     if (why)
         return why;
     t->model->prepare(t->si, p, &scale);
-    double periods = step_s * t->model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
+    double contact = t->model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
+    double periods = r->step_s * fmax(contact, r->tone.amplitude > 0.0 ? r->tone.frequency_Hz : 0.0);
     double wanted = fmax(1.0, ceil((t->method->order > 0 ? FINE : 1) * CONTACT_TICKS * periods));
     if (!(wanted <= TICKS_MOST))
         return "the steps are too long beside the contact";
@@ -24,7 +25,7 @@ static const char *set_up(const struct orbit_task *t, double step_s, struct plan
     const struct plant_config c = {.model = t->model,
                                    .si = t->si,
                                    .method = t->method,
-                                   .tick_s = step_s / *ticks,
+                                   .tick_s = r->step_s / *ticks,
                                    .dilation = 1.0,
                                    .tol = t->tol,
                                    .no_ledger = true,
@@ -32,24 +33,36 @@ static const char *set_up(const struct orbit_task *t, double step_s, struct plan
     return plant_init(pl, &c);
 }
 
-bool series_run(const struct orbit_task *t, const double *x, double step_s, int n, const double *u, double *y)
+/* The drive behind time i. */
+static void drive(struct plant *pl, const struct orbit_task *t, const struct record *r, int i, double gain,
+                  int ticks)
+{
+    if (r->input >= 0 && r->u)
+        plant_sample(pl, t->input, gain * r->u[i + 1], r->jumps ? 0 : (uint64_t)ticks);
+}
+
+bool series_run(const struct orbit_task *t, const struct record *r, const double *x, double gain,
+                double phase_rad, double *y)
 {
     struct plant pl;
     double own[MODEL_STATES], output[MODEL_OUTPUTS];
     int ticks;
-    if (set_up(t, step_s, &pl, &ticks))
+    if (set_up(t, r, &pl, &ticks))
         return false;
     for (int i = 0; i < t->model->n_states; i++)
         own[i] = x[i] / scale_of(&pl.scale, t->model->state_signal[i].quantity);
     plant_set_state(&pl, own);
-    if (u)
-        plant_sample(&pl, t->input, u[0], 0);
-    for (int i = 0; i < n; i++) {
+    if (r->input >= 0 && r->u)
+        plant_sample(&pl, t->input, gain * r->u[0], 0);
+    if (r->tone.amplitude > 0.0)
+        plant_drive_start(&pl, t->input, gain * r->tone.amplitude, r->tone.frequency_Hz, phase_rad);
+    for (int i = 0; i < r->n; i++) {
         plant_output(&pl, output);
         y[i] = output[t->output];
-        if (u && i + 1 < n)
-            plant_sample(&pl, t->input, u[i + 1], (uint64_t)ticks);
-        if (i + 1 < n && !plant_run(&pl, (uint64_t)ticks))
+        if (i + 1 == r->n)
+            break;
+        drive(&pl, t, r, i, gain, ticks);
+        if (!plant_run(&pl, (uint64_t)ticks))
             return false;
     }
     return true;

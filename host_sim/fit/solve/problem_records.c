@@ -46,7 +46,8 @@ static bool set_up(const struct problem *p, int i, const double *u, struct orbit
         return false;
     orbit_rest(t, x, unit);
     for (int k = 0; k < p->s->n; k++)
-        if (fit_is_hidden(&p->s->unknown[k]) && p->s->unknown[k].index == i)
+        if (p->s->unknown[k].index == i &&
+            (p->s->unknown[k].kind == FIT_POSITION || p->s->unknown[k].kind == FIT_VELOCITY))
             x[p->s->unknown[k].kind - FIT_POSITION] += unknown_value(&p->s->unknown[k], u[k]);
     return true;
 }
@@ -71,23 +72,27 @@ static double factor_of(const struct fit_setup *s, const double *u, enum fit_kin
     return without;
 }
 
+/* The phase of the record's tone at its begin. */
+static double phase_of(const struct fit_setup *s, const double *u, int i)
+{
+    for (int k = 0; k < s->n; k++)
+        if (s->unknown[k].kind == FIT_PHASE && s->unknown[k].index == i)
+            return unknown_value(&s->unknown[k], u[k]);
+    return s->records.record[i].tone.phase_rad;
+}
+
 /* The motion as it is measured: y[n]. */
 static bool simulate(const struct problem *p, int i, const double *u, double *y)
 {
     const struct record *r = record_of(p, i);
-    double x[MODEL_STATES], gain = factor_of(p->s, u, FIT_GAIN_FORCE, 1.0), *drive = NULL;
+    double x[MODEL_STATES];
     struct orbit_task t;
     if (!set_up(p, i, u, &t, x))
         return false;
-    if (r->input >= 0 && !(drive = calloc((size_t)r->n, sizeof *drive)))
-        return false;
-    for (int k = 0; drive && k < r->n; k++)
-        drive[k] = gain * r->u[k];
-    bool good = series_run(&t, x, r->step_s, r->n, drive, y);
+    bool good = series_run(&t, r, x, factor_of(p->s, u, FIT_GAIN_FORCE, 1.0), phase_of(p->s, u, i), y);
     double sensor = factor_of(p->s, u, FIT_GAIN_SENSOR, 1.0), offset = factor_of(p->s, u, FIT_OFFSET, 0.0);
     for (int k = 0; k < r->n; k++)
         y[k] = sensor * y[k] + offset;
-    free(drive);
     return good;
 }
 
@@ -106,7 +111,7 @@ static double residuals_of(const struct problem *p, int i, const double *u, doub
     if (!simulate(p, i, u, residual))
         return HUGE_VAL;
     for (int k = 0; k < r->n; k++) {
-        residual[k] = (residual[k] - r->y[k]) / r->noise;
+        residual[k] = isnan(r->y[k]) ? 0.0 : (residual[k] - r->y[k]) / r->noise;
         if (p->form == PROBLEM_ROBUST)
             residual[k] *= weigh(r, residual[k], &cost);
         else
@@ -146,7 +151,8 @@ static bool slope(const struct problem *p, int i, const double *u, int k, double
     for (int j = 0; j < r->n; j++) {
         double residual = (0.5 * (low[j] + high[j]) - r->y[j]) / r->noise;
         double weight = p->form == PROBLEM_ROBUST ? weigh(r, residual, &unused) : 1.0;
-        a[j * p->s->n + k] = good ? weight * (high[j] - low[j]) / (2.0 * nudge * r->noise) : 0.0;
+        a[j * p->s->n + k] =
+            good && !isnan(r->y[j]) ? weight * (high[j] - low[j]) / (2.0 * nudge * r->noise) : 0.0;
     }
     return good;
 }
