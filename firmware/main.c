@@ -11,6 +11,7 @@
  * again. */
 #include "firmware/app/app.h"
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_report.h"
 #include "models/text.h"
 #include "hal/board/board.h"
 #include "hal/board/console.h"

@@ -1,5 +1,6 @@
 /* list.c - everything that has a name, from the tables that the plant itself uses; and the .dbc of a
  * scene. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "firmware/afm/codes.h"
@@ -15,6 +16,7 @@
 #include "host_sim/trial/trial_afm.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 
 #include <stdio.h>
 #include <string.h>

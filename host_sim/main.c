@@ -12,11 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/settings.h"
+#include "firmware/bus/wire_table.h"
 #include "firmware/method/method.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/scene/scene_name.h"
 #include "models/models.h"
 #include "models/scenes/scenes.h"
+#include "models/scenes/scenes_table.h"
 
 #define PAGES                                                                                                \
     "Pages (docs/..) lie in the source, and in share/doc/contactplant below the prefix\nof an "              \

@@ -27,7 +27,7 @@
 #include "models/lanes.h"
 #include "models/model.h"
 
-extern const struct model shaft_bearing, shaft_bearing_linear, shaft_bearing_mode;
+extern const struct model shaft_bearing, shaft_bearing_linear;
 
 /* SI parameters, in the order of their table and of the first of the paper's. */
 enum {

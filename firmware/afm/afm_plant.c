@@ -3,6 +3,8 @@
 
 #include <string.h>
 #include "firmware/afm/codes.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "firmware/stage/stages.h"
 #include "models/math/elementary.h"
 

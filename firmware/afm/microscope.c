@@ -3,8 +3,9 @@
 
 #include <float.h>
 #include <string.h>
-#include "firmware/method/modal.h"
+#include "firmware/method/modal_run.h"
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "models/math/elementary.h"
 
 /* Rest where it begins, in the coordinates of the base. The lever must fit over the origin at z = 0;

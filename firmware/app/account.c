@@ -4,6 +4,7 @@
 #include <string.h>
 #include "firmware/app/app.h"
 #include "firmware/app/session.h"
+#include "firmware/plant/plant_report.h"
 
 enum { BALANCE_FRAMES = 100 /* plant frames from one look at the balance to the next */ };
 

@@ -5,9 +5,11 @@
 #include "firmware/app/account.h"
 #include "firmware/app/app_advance.h"
 #include "firmware/app/command.h"
+#include "firmware/app/telemetry_send.h"
 #include "firmware/bus/identity.h"
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
+#include "firmware/plant/plant_change.h"
 
 enum {
     CATCH_UP_MAX =

@@ -7,6 +7,8 @@
 #include "firmware/app/app_apply.h"
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 
 /* Pulls the capture's triggers for the contact switches of a tick, before the sample of this tick is
  * added. */

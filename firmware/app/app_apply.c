@@ -4,6 +4,7 @@
 #include <string.h>
 #include "firmware/app/app.h"
 #include "firmware/app/parameters.h"
+#include "firmware/app/telemetry_send.h"
 
 /* ARM names a drive's fields as the plant does. */
 STATIC_ASSERT((int)ARM_AMPLITUDE == DRIVE_AMPLITUDE && (int)ARM_FREQUENCY == DRIVE_FREQUENCY &&

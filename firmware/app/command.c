@@ -7,6 +7,7 @@
 #include "firmware/app/command_drives.h"
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
+#include "firmware/app/telemetry_send.h"
 
 /* The age of an echoed frame number in bus frames; one from the future becomes huge. */
 static uint32_t age_of(const struct app *a, double echoed)

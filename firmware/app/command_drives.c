@@ -5,6 +5,7 @@
 #include <math.h>
 #include "firmware/app/app.h"
 #include "firmware/app/parameters.h"
+#include "firmware/app/telemetry_send.h"
 
 /* Frames that a sample may be ahead. A sample names its frame by 16 bits, which repeat every 65536 frames.
  * With a short reach a sample that was delayed by about that long is hardly ever taken for a new one. */

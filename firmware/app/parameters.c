@@ -5,6 +5,7 @@
 
 #include <string.h>
 #include "firmware/app/app.h"
+#include "firmware/plant/plant_change.h"
 
 enum { ECHO_MARGIN = 4 /* frames */ };
 

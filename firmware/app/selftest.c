@@ -3,6 +3,8 @@
 
 #include <math.h>
 #include "firmware/method/taylor/taylor_series.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/text.h"
 #include "models/math/elementary.h"
 #include "models/hertz_rig.h"

@@ -4,7 +4,9 @@
 #include <string.h>
 #include "firmware/app/account.h"
 #include "firmware/app/app.h"
+#include "firmware/app/telemetry_send.h"
 #include "firmware/bus/identity.h"
+#include "firmware/plant/plant_report.h"
 #include "models/math/elementary.h"
 
 enum {

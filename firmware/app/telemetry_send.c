@@ -1,5 +1,5 @@
-/* telemetry_send.c - messages on their way out, and those for which there was no room; see telemetry.h. */
-#include "firmware/app/telemetry.h"
+/* telemetry_send.c - messages on their way out, and those for which there was no room. */
+#include "firmware/app/telemetry_send.h"
 
 #include "firmware/app/app.h"
 

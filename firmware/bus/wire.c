@@ -3,6 +3,7 @@
 
 #include <float.h>
 #include <string.h>
+#include "firmware/bus/wire_table.h"
 #include "models/check.h"
 #include "models/math/elementary.h"
 

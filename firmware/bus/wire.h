@@ -186,8 +186,6 @@ enum ledger_item {
     LEDGER_WORK      /* delivered by input 0, one per input follows */
 };
 
-enum field_kind { FIELD_UNSIGNED, FIELD_SIGNED, FIELD_FLOAT };
-
 /* The scale of a field's number. A signed 24-bit field with LSB takes a scene's output_lsb. */
 enum field_scale {
     SCALE_ONE,
@@ -199,49 +197,6 @@ enum field_scale {
     SCALE_VELOCITY,
     SCALE_PENETRATION,
     SCALE_FORCE
-};
-
-/* Which list gives an index field its names (the multiplexer of the .dbc, and the names that tools print). */
-enum field_names {
-    NAMES_NONE,
-    NAMES_OPERATION,
-    NAMES_CAPTURE,
-    NAMES_ARM,
-    NAMES_WHEN,
-    NAMES_STATE,
-    NAMES_REACTION,
-    NAMES_CAUSE,
-    NAMES_MESSAGE,
-    NAMES_PARAMETER, /* model parameters, then settings */
-    NAMES_LEDGER,
-    NAMES_COUNTER,
-    NAMES_INFO,
-    NAMES_INPUT,
-    NAMES_OUTPUT,
-    NAMES_OBSERVABLE, /* outputs, states of other names, time, eigenfrequency: see model_observable */
-    NAMES_ON_OFF,
-    NAMES_TOUCH,
-    NAMES_SELF_TEST,
-    NAMES_VERDICT
-};
-
-struct field {
-    const char *name;
-    const char *meaning;
-    uint8_t start, bits; /* little endian bit position in the 64 bits of the frame */
-    enum field_kind kind;
-    enum field_scale scale;
-    enum field_names names;
-    const char *unit; /* SI, or "" */
-};
-
-struct message_layout {
-    const char *name;
-    const char *meaning;
-    uint8_t kind;
-    bool command; /* controller to plant */
-    uint8_t n_fields;
-    struct field field[WIRE_FIELDS];
 };
 
 /* A decoded message. value[] follows the layout's fields, scaled; NaN means not available. */
@@ -276,16 +231,6 @@ uint32_t wire_crc32(uint32_t crc, const uint8_t *data, int n);
 
 /* The CRC-32 over the 5 bytes of one entry: the index, then the value as float32, little endian. */
 uint32_t wire_crc32_entry(uint32_t crc, unsigned index, double value);
-
-/* The layout of a kind (any number), or NULL where there is no such message. STREAM, ARM and STREAM_ECHO have
- * one layout for their four kinds. */
-const struct message_layout *wire_layout(unsigned kind);
-
-/* The layout is that of a message for each input, whose number is a kind's distance from the layout's. */
-static inline bool wire_is_of_input(const struct message_layout *l)
-{
-    return l->kind == WIRE_STREAM || l->kind == WIRE_ARM || l->kind == WIRE_STREAM_ECHO;
-}
 
 /* The size of one unit of a field's number, in the field's unit: value = number * factor. */
 double wire_factor(const struct wire_scene *s, enum field_scale scale);

@@ -1,6 +1,6 @@
 /* wire_table.c - every bit of every message; the one source of encoding, decoding, the .dbc and the
  * documents. */
-#include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 
 #include <stddef.h>
 

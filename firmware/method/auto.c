@@ -18,6 +18,8 @@
  * regime belong to the plant, and the tables are made anew. Between rk4 and taylor the choice is made again
  * when a drive changes, by a few operations for each drive. Cost beyond that of the method: 40 instructions a
  * step. */
+#include "firmware/method/auto.h"
+
 #include <math.h>
 #include "models/check.h"
 #include "firmware/method/method.h"

@@ -20,6 +20,7 @@
 #include "models/flows.h"
 #include "models/hertz_rig.h"
 #include "models/reduced/polynomial.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 

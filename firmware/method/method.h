@@ -21,6 +21,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include "firmware/method/segment.h"
 #include "models/lanes.h"
 #include "models/model.h"
 
@@ -31,40 +32,6 @@
 #define METHOD_TOL_MAX     0.1
 #define TAYLOR_TOL_MOST    1e-2
 #define METHOD_TOL_DEFAULT 1e-9 /* where 0 is given */
-
-/* One input over a segment, s being the model time from the segment's start:
- *
- *     value(s) = offset + slope s + (amplitude + growth s) cos(theta + omega s)
- *
- * `taylor` takes its series from this, `exact` its phasor, `rk4` the three instants of struct segment. */
-struct wave {
-    double offset, slope;
-    double amplitude, growth;
-    double cosine, sine; /* cos theta, sin theta */
-    double omega;        /* per model time */
-};
-
-struct segment {
-    double length;    /* model time, >= 0 */
-    unsigned active;  /* bit i: input i is not identically zero */
-    bool changed;     /* false while every wave only runs on from the previous segment */
-    uint64_t instant; /* its begin in 1/65536 tick since tick 0; a method numbers its noise by it */
-    struct wave wave[MODEL_INPUTS];
-    struct input at[3][MODEL_INPUTS]; /* the inputs at 0, length/2 and length */
-};
-
-/* Value and rate of a wave at model time s from its start. */
-void wave_at(const struct wave *w, double s, struct input *u);
-/* The rate of its rate there, where the input is u. */
-double wave_acceleration(const struct wave *w, double s, const struct input *u);
-
-/* `head` becomes the part of the segment up to `length`. */
-void segment_head(const struct segment *e, int n_inputs, double length, struct segment *head);
-/* `e` becomes what is left of it from `done` on, with `changed` set: it begins inside a tick. */
-void segment_tail(struct segment *e, int n_inputs, double done);
-/* Both at once: `e` becomes what is left. Only what a ledger reads of `head` is written: its length, its
- * active inputs and the inputs at its three instants. */
-void segment_cut(struct segment *e, int n_inputs, double done, struct segment *head);
 
 /* How a step ended. x is the state there, but for STEP_NOT_FINITE. */
 enum step_status {
@@ -189,13 +156,6 @@ struct method {
     const struct method_switch *(*switched)(const double *scratch);
 };
 
-/* The step guard of rk4, rk4_float32 and rk4_unlocated: the largest eigenfrequency * step, in rad. Above it a
- * bounce is not resolved, and each one makes or loses energy. */
-#define RK4_ANGLE_MAX 0.2
-
-/* The step guard of adams: above it the predictor loses its order. */
-#define ADAMS_ANGLE_MAX 0.3
-
 extern const struct method rk4;
 extern const struct method adams;
 extern const struct method rk4_float32;
@@ -204,14 +164,6 @@ extern const struct method taylor;
 extern const struct method exact;
 extern const struct method auto_method; /* picks a method by model, step, tolerance and drives */
 extern const struct method modal;       /* levers */
-
-/* The method that auto_method picks under these drives (SI; NULL: silence). Where all refuse: the one that
- * would be best. `scale` is that of the model's `prepare`; it is not read without drives. */
-const struct method *auto_choice(const struct model *m, const double *p, double h, double tol,
-                                 const struct harmonic *drive, const struct scale *scale);
-
-/* The method that auto_method runs now, read from its scratch memory. */
-const struct method *auto_now(const double *scratch);
 
 enum { METHODS = 8 };
 extern const struct method *const method_table[METHODS];

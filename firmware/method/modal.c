@@ -20,7 +20,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#include "firmware/method/modal_tick.h"
 #include "models/math/elementary.h"
 
 enum { GAUSSIAN_BELOW = 5 /* quality below which uniform noise would show in the distribution */ };

@@ -1,9 +1,9 @@
-/* modal_run.c - many ticks of `modal` in a row, without books; see modal.h. */
-#include "firmware/method/modal.h"
+/* modal_run.c - many ticks of `modal` in a row, without books. */
+#include "firmware/method/modal_run.h"
 
 #include <float.h>
 #include <math.h>
-#include "firmware/method/modal_tick.h"
+#include "firmware/method/modal.h"
 
 /* The state against the base at the begin of a tick; its end is the state again. */
 ALWAYS_INLINE void enter(const struct modal *s, const struct modal_tick *in, const double *y,

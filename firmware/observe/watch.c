@@ -1,5 +1,6 @@
 /* watch.c - see watch.h. */
 #include "firmware/observe/watch.h"
+#include "firmware/plant/plant_report.h"
 
 const char *watch_start(struct watch *w, const struct watch_limits *l, const struct model *m)
 {

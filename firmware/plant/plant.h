@@ -142,36 +142,6 @@ struct plant {
     double si[MODEL_PARAMETERS]; /* the last: the offsets of all above stay short */
 };
 
-/* Sets up *pl: tick 0, the model at rest, drives silent. Returns NULL, or a constant text with the reason
- * for a refusal; then *pl must not be used. It refuses tick_s outside 1e-12..1e6 s, dilation outside
- * 1e-6..1e9, missing scratch memory, parameters outside their ranges, and (unless `force`) a step that the
- * method cannot take. Cost: the method's preparation of its tables. */
-MUST_CHECK const char *plant_init(struct plant *pl, const struct plant_config *c);
-
-/* Checks si[n_parameters] against their ranges and each other: NULL, or a reason. *which is the index of
- * the parameter outside its range, or -1 when all are inside. A NaN is outside. */
-MUST_CHECK const char *plant_check(const struct model *m, const double *si, int *which);
-
-/* Would plant_change take these SI parameters? NULL, or the reason. Changes nothing. */
-MUST_CHECK const char *plant_accepts(const struct plant *pl, const double *si);
-
-/* Takes new SI parameters now. State, drives, events and counts go on with their SI values; the regime
- * follows from the gaps. The change of stored energy is booked as work of the change (ledger.h). Returns
- * NULL, or the reason for a refusal that changed nothing. Cost: the method's tables anew, as in
- * plant_init. */
-MUST_CHECK const char *plant_change(struct plant *pl, const double *si);
-
-/* Would plant_promote go to model `to` from these SI parameters? NULL, or the reason. Changes nothing. */
-MUST_CHECK const char *plant_could_climb(const struct plant *pl, const struct model *to, const double *si);
-
-/* Climbs from a reduced model to the full model that it approximates, now. Reduced and full model have
- * equal units: position and velocity go on to the last bit. So do drives with their phase, SI parameters,
- * tick and counts. The regime follows from the gaps, the method prepares itself for the new model, and the
- * difference in stored energy is booked as plant_change books it. The scratch memory must be large enough
- * for both models. Returns NULL, or the reason for a refusal that changed nothing. Costs what plant_change
- * costs. */
-MUST_CHECK const char *plant_promote(struct plant *pl, const struct model *to);
-
 /* Sets the state x[n_states], model units. The regime follows from the gaps; ledger and peak force start
  * anew. Nothing is checked: a state that is not finite makes the next plant_advance fail. */
 void plant_set_state(struct plant *pl, const double *x);
@@ -255,14 +225,6 @@ void plant_noise(struct plant *pl, int i, double deviation, uint32_t hold, uint3
  * base, never jumps: there 0 counts as 1 tick. */
 void plant_sample(struct plant *pl, int i, double value, uint64_t ticks);
 
-/* Writes output[n_outputs] now, SI, in the order of the model's output table. */
-void plant_output(const struct plant *pl, double *output);
-
-/* The output `name` now, SI; NaN when the model has no such output. Where a stage is on, stage_0 to stage_3
- * are their results at the end of the last tick; a stage that is off gives 0. It computes all outputs: to
- * read several, use plant_output. */
-double plant_read(const struct plant *pl, const char *name);
-
 /* Takes out the oldest event; false when there is none. PLANT_EVENTS are kept; then the oldest are
  * overwritten and counted. */
 bool plant_take_event(struct plant *pl, struct event *e);
@@ -270,24 +232,6 @@ bool plant_take_event(struct plant *pl, struct event *e);
 /* Begins a new record: drops all events and sets loss_time and total_time to 0. The app does so in each
  * frame. */
 void plant_begin_record(struct plant *pl);
-
-/* The stored energy now, and the energy that the ledger cannot account for since it began (ledger.h); J. */
-double plant_energy(const struct plant *pl);
-double plant_residual(const struct plant *pl);
-
-/* The share of energy that did not balance since the last call: |change of residual| over the energy that
- * flowed since then and the stored energy above rest. 0.01 means that 1 % was lost or gained. Two parts
- * are forgiven: the rounding of the stored energy, and the error of a method that errs by its tolerance of
- * the largest motion so far. *residual_J holds the residual of the last call (0 at first) and takes the
- * present one. Resets the ledger's `gross`, so only one caller may ask. */
-double plant_imbalance(struct plant *pl, double *residual_J);
-
-/* FNV-1a, 64 bits, over the bits of tick, regime, parameters, state, drives and ledger, in a fixed order.
- * It does not cover model, method, events and counts. */
-uint64_t plant_hash(const struct plant *pl);
-
-/* Seconds of bus time: (tick + fraction/65536) * tick_s in double; the tick itself is exact. */
-double plant_time(const struct plant *pl);
 
 /* -1, 0, 1 as a is before, at or after b. */
 int instant_compare(struct instant a, struct instant b);

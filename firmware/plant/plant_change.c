@@ -1,8 +1,8 @@
-/* plant_change.c - a plant's set-up, changes of parameters while it runs, and the climb to the full model;
- * see plant.h. */
-#include "firmware/plant/plant.h"
+/* plant_change.c - a plant's set-up, changes of parameters while it runs, and the climb to the full model. */
+#include "firmware/plant/plant_change.h"
 
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 
 const char *plant_check(const struct model *m, const double *si, int *which)
 {

@@ -1,5 +1,5 @@
 /* plant_report.c - a plant's outputs, energies, energy balance, time, and the hash of its state. */
-#include "firmware/plant/plant.h"
+#include "firmware/plant/plant_report.h"
 
 #include <float.h>
 #include <math.h>

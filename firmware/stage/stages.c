@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/plant/hash.h"
+#include "firmware/plant/plant_report.h"
 #include "models/math/elementary.h"
 
 /* ---- settings ---- */

@@ -1,5 +1,5 @@
 /* log_read.c - the reading half of log.h. */
-#include "hal/posix/log.h"
+#include "hal/posix/log_read.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* batch_piece.c - see batch_piece.h. */
 #include "host_sim/batch/batch_piece.h"
+#include "host_sim/batch/batch_root.h"
 
 enum { SOLVE = 20 /* Newton steps from a time to s; 2 or 3 are usual */ };
 

@@ -1,8 +1,8 @@
-/* batch_root.c - the first sign change of a series, four trajectories at once; see batch_series.h.
+/* batch_root.c - the first sign change of a series, four trajectories at once.
  *
  * As firmware/method/taylor/taylor_root.c. A lane that has its answer, or needs none, only looks on while
  * others go on. */
-#include "host_sim/batch/batch_series.h"
+#include "host_sim/batch/batch_root.h"
 
 enum {
     NEWTON = 40,    /* steps to a root inside its bracket; 2 or 3 are usual */

@@ -40,15 +40,6 @@ void batch_series_flight(const struct batch_load *load, int n_tones, const quad 
 void batch_series_contact(const struct batch_load *load, int n_tones, const quad *eta, const quad *rate,
                           struct batch_series *s);
 
-struct batch_root {
-    quad at;
-    mask found, residual; /* residual: found, but not converged; not found: at is the end */
-};
-
-/* The first x in (0, end] where sign * a turns from negative to not negative; b must be its slope. A
- * series that starts at exactly 0 is taken as having left zero: that root does not count. */
-void batch_series_root(const struct batch_series *s, double sign, const quad *end, struct batch_root *root);
-
 /* A series at x, in two halves of even and odd powers. */
 ALWAYS_INLINE quad series_value(const quad *c, quad x)
 {

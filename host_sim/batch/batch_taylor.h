@@ -67,31 +67,15 @@ struct batch_trajectory {
     double interval; /* model time */
 };
 
-/* Memory for n trajectories, and the batch in it: all at rest in a flight that nothing drives. */
-size_t batch_taylor_bytes(int n);
-void batch_taylor_init(struct batch_taylor *b, int n, void *memory);
-
-/* NULL, or why this cannot be a trajectory of a batch: a model without the equation above, more tones than
- * it has, a number beyond BATCH_LIMIT. The state does not count. */
-const char *batch_taylor_refuse(const struct batch_trajectory *t);
-
-/* Trajectory i from now on. NULL, or why it cannot be one of a batch (then nothing is changed). */
-const char *batch_taylor_set(struct batch_taylor *b, int i, const struct batch_trajectory *t);
-
-/* The model's state from eta and its rate, `time` after time 0. */
-void batch_taylor_state(const struct batch_trajectory *t, double time, double eta, double rate, double *x);
-
 /* `intervals` intervals of every trajectory that is good. samples: NULL, or eta and eta' at the end of
  * interval j in samples[2 j n + i] and samples[(2 j + 1) n + i], NaN where trajectory i has failed. tol in
  * 1e-13..1e-2 is about the error of each series, over the smaller of `most` and `most_rate`, and at most
  * over a unit of the contact. NULL, or the reason for a refusal that changed nothing. */
 enum { BATCH_PIECES = 4096 };
-const char *batch_taylor(struct batch_taylor *b, double tol, int intervals, double *samples);
 
 /* batch_taylor as it is compiled: for the instructions of the build, and with BATCH_AVX2 once more for AVX2
  * (the Makefile sets it on x86-64, whose default knows no AVX2). batch_taylor takes the widest that the
  * processor has. The bits are equal: batch_lanes.h. */
 const char *batch_taylor_plain(struct batch_taylor *b, double tol, int intervals, double *samples);
-const char *batch_taylor_avx2(struct batch_taylor *b, double tol, int intervals, double *samples);
 
 #endif

@@ -1,8 +1,9 @@
 /* batch_taylor_set.c - set-up of a batch from its models, and which kernels run it; see batch_taylor.h. */
-#include "host_sim/batch/batch_taylor.h"
+#include "host_sim/batch/batch_taylor_set.h"
 
 #include <math.h>
 #include <string.h>
+#include "host_sim/batch/batch_taylor_avx2.h"
 #include "models/check.h"
 #include "models/math/elementary.h"
 

@@ -8,6 +8,7 @@
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_views.h"
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/choose/choose_run.h"
 #include "host_sim/choose/choose_ladder.h"
 #include "host_sim/cli/clock.h"

@@ -7,6 +7,7 @@
 #include "host_sim/choose/choose_steps.h"
 
 #include <math.h>
+#include "firmware/method/auto.h"
 #include "host_sim/choose/choose_tell.h"
 #include "host_sim/choose/choose_truth.h"
 #include "host_sim/choose/choose_watch.h"

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include "host_sim/cli/clock.h"
 #include "models/math/elementary.h"
+#include "models/scenes/scenes_range.h"
 
 static const double patience_s = 2.0;
 

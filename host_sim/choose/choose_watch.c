@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "firmware/method/rk4.h"
 #include "firmware/plant/drive.h"
 #include "host_sim/choose/choose_beyond.h"
 #include "host_sim/choose/choose_climb.h"

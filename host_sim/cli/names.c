@@ -6,6 +6,7 @@
 #include "firmware/bus/diag.h"
 #include "firmware/app/selftest.h"
 #include "firmware/bus/settings.h"
+#include "firmware/bus/wire_table.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 #include "models/model.h"
 
 enum { NAMES_INDICES = 256 }; /* every list ends before */

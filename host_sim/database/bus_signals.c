@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "firmware/bus/settings.h"
+#include "firmware/bus/wire_table.h"
 
 const char *bus_number(char text[BUS_NUMBER], double x)
 {

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/names.h"
 #include "models/model.h"
 

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include "firmware/bus/settings.h"
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/names.h"
 
 /* The identifier as a .dbc writes it: bit 31 marks 29-bit ones. */

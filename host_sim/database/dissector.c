@@ -2,6 +2,7 @@
 #include "host_sim/database/dissector.h"
 
 #include <math.h>
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/names.h"
 
 /* dissector.lua, as it is; the Makefile knows that this file depends on it. */

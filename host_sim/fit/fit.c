@@ -6,6 +6,7 @@
 #include "host_sim/fit/fitted.h"
 #include "host_sim/fit/judge.h"
 #include "host_sim/fit/levels.h"
+#include "host_sim/fit/read.h"
 #include "host_sim/fit/show/picture.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/fit/tell.h"

@@ -63,10 +63,6 @@ struct fit_setup {
     double told_s, begun_s;          /* progress */
 };
 
-/* The command line and the data into *s. 0, or the exit status after a line. fit_free in any case. */
-int fit_read(struct fit_setup *s);
-void fit_free(struct fit_setup *s);
-
 /* It belongs to a record, and is not told. */
 static inline bool fit_is_hidden(const struct fit_unknown *k)
 {

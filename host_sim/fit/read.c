@@ -1,5 +1,6 @@
 /* read.c - the command line of contactplant fit: scene, data, unknowns. */
-#include "host_sim/fit/fit.h"
+#include "host_sim/fit/read.h"
+
 #include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>

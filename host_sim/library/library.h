@@ -3,8 +3,6 @@
 #define HOST_SIM_LIBRARY_H
 
 #include <stdbool.h>
-#include "firmware/afm/codes.h"
-#include "firmware/afm/station.h"
 #include "host_sim/library/contactplant.h"
 #include "host_sim/live/client.h"
 #include "host_sim/scene/scene_app.h"
@@ -42,28 +40,11 @@ struct contactplant_client {
     struct contactplant twin;
 };
 
-struct contactplant_afm {
-    uint64_t magic;
-    struct contactplant_error error;
-    double tick_s, si[LEVER_PARAMETERS];
-    bool runs; /* from its first sample on; the numbers then stand. From here on it is saved */
-    double number[STATION_NUMBERS + CODES_NUMBERS], dither_N_per_V;
-    uint32_t clipped;
-    struct station station;
-};
-
 /* The scene of this name or text. False: why[SCENE_REASON] says what to do. */
 bool library_read_scene(const char *scene, struct scene *s, enum scene_origin *origin, char *why);
 
 /* True for an object that was opened. */
 bool library_is_plant(const struct contactplant *p);
-bool library_is_afm(const struct contactplant_afm *a);
-
-/* Its first sample begins: checks the numbers. CONTACTPLANT_OK, or the code of a refusal. */
-int library_start_afm(struct contactplant_afm *a);
-
-/* A plant alone that may be changed; else a code is noted. */
-bool library_may_change(struct contactplant *p);
 
 /* Notes code and text, which is UTF-8 then; returns the code. Without an error to note it in, just that. */
 int library_fail(struct contactplant_error *e, int code, const char *format, ...)
@@ -78,13 +59,6 @@ bool library_memory_fits(const void *memory, size_t size, size_t needed, struct 
 
 /* The app of a plant on a bus starts anew, by its configuration. */
 int library_start(struct contactplant *p, struct contactplant_error *e);
-
-/* An input of this plant; else noted. */
-bool library_is_input(struct contactplant *p, int input);
-
-/* Frames of the library and of the hal. */
-bool library_frame_in(const struct contactplant_frame *from, struct frame *to);
-void library_frame_out(const struct frame *from, struct contactplant_frame *to);
 
 bool library_ring_put(struct library_ring *r, uint32_t depth, const struct frame *f);
 bool library_ring_take(struct library_ring *r, struct frame *f);

@@ -1,6 +1,7 @@
 /* library_afm.c - a microscope in codes of its converters: the station for a caller's own controller. */
+#include "host_sim/library/library_afm.h"
+
 #include "host_sim/cli/options_nearest.h"
-#include "host_sim/library/library.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* library_bus.c - the app on a bus in memory, and frames in packets. */
-#include "host_sim/library/library.h"
+#include "host_sim/library/library_bus.h"
 
 #include <string.h>
 #include "hal/link/cannelloni.h"

@@ -4,7 +4,10 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/library/library_bus.h"
+#include "host_sim/library/library_plant.h"
 #include "host_sim/live/explain.h"
 
 STATIC_ASSERT(sizeof(struct contactplant_client) <= CONTACTPLANT_CLIENT_SIZE, client_fits_its_promised_size);

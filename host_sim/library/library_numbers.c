@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "host_sim/cli/options.h"
 
 static const char *const kind_name[] = {"input", "output", "state", "parameter", "setting"};

@@ -1,7 +1,8 @@
 /* library_plant.c - a plant alone: what is done to its inputs and its time, and what it says. */
-#include "host_sim/library/library.h"
+#include "host_sim/library/library_plant.h"
 
 #include <math.h>
+#include "firmware/plant/plant_report.h"
 
 static const double ramp_max_s = 1e4, phase_max_rad = 1e6; /* as on the bus */
 
@@ -21,6 +22,16 @@ bool library_is_input(struct contactplant *p, int input)
     return false;
 }
 
+/* A plant alone that may be changed; else a code is noted. */
+static bool may_change(struct contactplant *p)
+{
+    if (!p->on_bus)
+        return true;
+    (void)library_fail(&p->error, CONTACTPLANT_BAD_ORDER,
+                       "this plant is on a bus, where frames move it; contactplant_open gives a plant alone");
+    return false;
+}
+
 static double input_unit(const struct contactplant *p, int input)
 {
     return scale_of(&p->scene.app.plant.scale, p->scene.config.model->input_signal[input].quantity);
@@ -31,7 +42,7 @@ static int begin_alone(struct contactplant *p, int input)
 {
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
-    if (!library_may_change(p) || !library_is_input(p, input))
+    if (!may_change(p) || !library_is_input(p, input))
         return p->error.code;
     return CONTACTPLANT_OK;
 }
@@ -160,7 +171,7 @@ int contactplant_advance(struct contactplant *p, uint64_t ticks)
 {
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
-    if (!library_may_change(p))
+    if (!may_change(p))
         return p->error.code;
     struct instant now = p->scene.app.plant.now;
     if (ticks > UINT64_MAX - 1 - now.tick)
@@ -173,7 +184,7 @@ int contactplant_advance_to(struct contactplant *p, double time_s)
     static const double ticks_max = 9007199254740992.0; /* whole numbers below are exact */
     if (!library_is_plant(p))
         return CONTACTPLANT_BAD_HANDLE;
-    if (!library_may_change(p))
+    if (!may_change(p))
         return p->error.code;
     struct plant *pl = &p->scene.app.plant;
     double ticks = time_s / pl->tick_s, whole = floor(ticks);
@@ -266,7 +277,7 @@ double contactplant_residual(struct contactplant *p)
 int contactplant_next_event(struct contactplant *p, struct contactplant_event *event)
 {
     struct event e;
-    if (!library_is_plant(p) || !library_may_change(p))
+    if (!library_is_plant(p) || !may_change(p))
         return 0;
     if (!event) {
         (void)library_fail(&p->error, CONTACTPLANT_BAD_VALUE, "contactplant_next_event: event is NULL");

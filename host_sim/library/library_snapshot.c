@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 #include <string.h>
+#include "host_sim/library/library_afm.h"
 
 struct header {
     uint64_t magic;

@@ -2,6 +2,7 @@
 #include "host_sim/listen/listen.h"
 
 #include <math.h>
+#include "firmware/bus/wire_table.h"
 
 enum { OVERTAKEN = 256 }; /* frames that a late SYNC may be behind the newest one */
 

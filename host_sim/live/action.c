@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/options_nearest.h"

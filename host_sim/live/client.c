@@ -1,4 +1,5 @@
 /* client.c - see client.h. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/live/client.h"
 #include "firmware/bus/identity.h"
 #include "firmware/bus/mailbox.h"

@@ -1,4 +1,5 @@
 /* explain.c - see explain.h. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/live/explain.h"
 #include "firmware/bus/identity.h"
 #include "host_sim/cli/names.h"

@@ -1,4 +1,5 @@
 /* monitor.c - prints the plant's messages by name and unit, one line each. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"

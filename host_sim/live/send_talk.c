@@ -1,4 +1,5 @@
 /* send_talk.c - see send_talk.h. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/live/send_talk.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"

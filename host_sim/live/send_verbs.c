@@ -1,4 +1,5 @@
 /* send_verbs.c - see send_verbs.h. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/live/send_verbs.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"

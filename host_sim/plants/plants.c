@@ -1,4 +1,6 @@
 /* plants.c - see plants.h. */
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/plants/plants.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"

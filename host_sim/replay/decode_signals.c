@@ -2,6 +2,7 @@
 #include "host_sim/replay/decode_signals.h"
 
 #include <stdio.h>
+#include "firmware/bus/wire_table.h"
 #include "host_sim/out/cell.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"

@@ -1,5 +1,7 @@
 /* export.c - contactplant export: recorded logs as pcapng. Every line is taken as it stands, those of others
  * too; a comment tells what a refusal, or a word of the recorder, means. */
+#include "firmware/bus/wire_table.h"
+#include "hal/posix/log_read.h"
 #include "hal/posix/pcapng.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"

@@ -2,6 +2,7 @@
 #include "host_sim/replay/log_bus.h"
 
 #include <string.h>
+#include "hal/posix/log_read.h"
 
 void log_bus_start(struct log_bus *b, struct plant_log *log, double frame_s)
 {

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/identity.h"
+#include "hal/posix/log_read.h"
 #include "models/check.h"
 
 STATIC_ASSERT((int)LOG_COMMANDS == (int)WIRE_COMMANDS, commands_of_the_recorder);

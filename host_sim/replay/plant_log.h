@@ -10,6 +10,7 @@
 
 #include "firmware/bus/wire.h"
 #include "hal/posix/log.h"
+#include "hal/posix/log_read.h"
 
 enum { PLANT_LOG_INTERFACES = 8 };
 

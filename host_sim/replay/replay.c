@@ -1,5 +1,6 @@
 /* replay.c - a recorded log through the plant again: the same commands in the same frames must give the
  * same bytes. */
+#include "firmware/plant/plant_report.h"
 #include "host_sim/replay/replay_source.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"

@@ -1,6 +1,8 @@
 /* run.c - plants in real time on a bus: absolute pacing, the overrun policy, and a report at the end. */
 #include "firmware/app/account.h"
 #include "firmware/app/session.h"
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"

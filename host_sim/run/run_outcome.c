@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/app/account.h"
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options_nearest.h"

@@ -1,4 +1,5 @@
 /* run_report.c - see run_report.h. */
+#include "firmware/plant/plant_report.h"
 #include "host_sim/run/run_report.h"
 #include "firmware/app/account.h"
 #include "host_sim/replay/log_report.h"

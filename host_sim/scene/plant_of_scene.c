@@ -2,6 +2,7 @@
 #include "host_sim/scene/plant_of_scene.h"
 
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/scene/scene_check.h"
 
 struct plant_config plant_config_of_scene(const struct scene *s, const double *si, double *scratch)

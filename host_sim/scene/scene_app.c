@@ -1,4 +1,5 @@
 /* scene_app.c - see scene_app.h. */
+#include "firmware/method/auto.h"
 #include "host_sim/scene/scene_app.h"
 #include "firmware/app/plant_scene.h"
 #include "host_sim/cli/names.h"

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/scene/scene_keys.h"
 #include "host_sim/scene/scene_name.h"

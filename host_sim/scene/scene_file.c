@@ -15,6 +15,7 @@
 #include "host_sim/scene/scene_name.h"
 #include "host_sim/cli/unit.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 
 enum { NAMES = SCENE_MODELS + SCENE_KEYS };
 

@@ -2,6 +2,7 @@
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/scene/scene_app.h"
+#include "models/scenes/scenes_range.h"
 
 #include <errno.h>
 #include <stdio.h>

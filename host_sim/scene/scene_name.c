@@ -10,6 +10,7 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/options_nearest.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 
 enum { NAME_SHOWN = 120 };
 

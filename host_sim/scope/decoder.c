@@ -1,4 +1,5 @@
 /* decoder.c - see decoder.h. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/scope/decoder.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"

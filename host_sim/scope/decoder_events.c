@@ -1,4 +1,5 @@
 /* decoder_events.c - see decoder_events.h. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/scope/decoder_events.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"

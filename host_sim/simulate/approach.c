@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"

@@ -5,6 +5,8 @@
  *
  * Rows are exact, not interpolated. A step that may be chosen divides the rows' distance. For a row
  * between two steps a second plant goes there from the last step, in one step of its own. */
+#include "firmware/method/auto.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/commands.h"

@@ -1,4 +1,6 @@
 /* simulate_read.c - see simulate_read.h. */
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/ticks.h"

@@ -1,4 +1,5 @@
 /* simulate_report.c - see simulate_report.h. */
+#include "firmware/plant/plant_report.h"
 #include "host_sim/commands.h"
 #include "host_sim/report/decimate.h"
 #include "host_sim/report/html.h"

@@ -1,5 +1,7 @@
 /* shaft_mode.c - the model of one mode of the shaft: the full model seen along x = phi q; see
  * shaft_bearing.h. */
+#include "models/reduced/shaft_mode.h"
+
 #include "models/shaft_views.h"
 
 #include <math.h>

@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "models/math/elementary.h"
+#include "models/scenes/scenes_table.h"
 
 const struct preset *scenes_find(const char *name)
 {

@@ -64,12 +64,6 @@ struct preset {
     struct scene scene;
 };
 
-enum {
-    SCENES = 64,
-    SCENES_OWN = 7 /* the first ones are no figures of papers */
-};
-extern const struct preset scenes_table[SCENES];
-
 /* The preset of this name, or NULL. */
 const struct preset *scenes_find(const char *name);
 
@@ -107,9 +101,5 @@ double scenes_watched(const struct scene *s, const double *si, const struct harm
 /* Steps from one value of an input's noise to the next, at least 1. A step takes `step` of real plant
  * time. */
 double scenes_noise_steps(const struct scene_drive *d, double step);
-
-/* Warning number `i` for this plant: where its source paper leaves its own range, and why. NULL when there
- * are no more. docs/reference/models.md explains the warnings. */
-const char *scenes_warning(const struct model *m, const double *si, const struct harmonic *drive, int i);
 
 #endif

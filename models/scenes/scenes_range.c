@@ -2,6 +2,8 @@
  * them.
  *
  * Each rule is an inequality on the plant and its drives, in the paper's numbers. */
+#include "models/scenes/scenes_range.h"
+
 #include <math.h>
 #include <stddef.h>
 #include "models/reduced/afm_tip_reduced.h"

@@ -3,7 +3,7 @@
  *
  * Times in the papers' dimensionless scenes are in their own unit; dilation makes one of it a frame of 1 ms.
  * The papers' figures show steady motion, so `over` is long enough to reach it from rest. */
-#include "models/scenes/scenes.h"
+#include "models/scenes/scenes_table.h"
 
 #include <stddef.h>
 #include "models/afm_lever.h"

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/batch/batch_taylor.h"
+#include "host_sim/batch/batch_taylor_set.h"
 
 enum { TRAJECTORIES = 1024 };
 

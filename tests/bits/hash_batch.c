@@ -2,6 +2,7 @@
 #include "tests/bits/hash_batch.h"
 
 #include "host_sim/batch/batch_taylor.h"
+#include "host_sim/batch/batch_taylor_set.h"
 #include "models/hertz_rig.h"
 
 enum { BATCH = 50, ROUNDS = 3 };

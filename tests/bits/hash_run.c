@@ -1,6 +1,10 @@
 /* hash_run.c - hashes of trajectories that pass through everything; see hash_run.h. */
 #include "tests/bits/hash_run.h"
 
+#include "firmware/method/auto.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/text.h"
 #include "models/afm_lever.h"
 #include "models/reduced/hertz_rig_reduced.h"

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/live/client_host.h"

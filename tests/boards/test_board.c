@@ -21,6 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "firmware/bus/wire_table.h"
 #include "hal/board/board.h"
 #include "hal/ethernet/net.h"
 #include "host_sim/cli/names.h"

@@ -17,6 +17,8 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_report.h"
 #include "hal/link/loopback.h"
 #include "hal/posix/socketcan.h"
 #include "host_sim/cli/names.h"

@@ -2,6 +2,7 @@
 #include "tests/can/can_session.h"
 
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 
 enum {

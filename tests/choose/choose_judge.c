@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/choose/choose_print.h"
 #include "host_sim/choose/choose_run.h"
 #include "host_sim/scene/scene_file.h"

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/choose/choose.h"
 #include "host_sim/choose/choose_ladder.h"
 #include "host_sim/choose/choose_run.h"

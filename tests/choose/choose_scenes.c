@@ -15,6 +15,7 @@
 #include "host_sim/choose/choose_climb.h"
 #include "host_sim/choose/choose_search.h"
 #include "host_sim/choose/choose_watch.h"
+#include "models/scenes/scenes_table.h"
 #include "tests/choose/choose_draw.h"
 #include "tests/choose/choose_judge.h"
 #include "tests/choose/choose_out.h"

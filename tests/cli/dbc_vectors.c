@@ -12,6 +12,7 @@
 #include <string.h>
 #include "firmware/bus/identity.h"
 #include "firmware/bus/settings.h"
+#include "firmware/bus/wire_table.h"
 #include "host_sim/database/dbc.h"
 #include "host_sim/cli/names.h"
 #include "models/math/elementary.h"

@@ -22,6 +22,8 @@
 #undef app_apply_fire
 
 #include "firmware/app/app_advance.h"
+#include "firmware/app/telemetry_send.h"
+#include "firmware/plant/plant_change.h"
 #include "models/shaft_bearing.h"
 
 bool plant_advance(struct plant *to_move, struct instant to);

@@ -12,6 +12,7 @@
 #include "firmware/app/app_apply.h"
 #include "firmware/app/command_drives.h"
 #include "firmware/app/parameters.h"
+#include "firmware/app/telemetry_send.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
 #include "tests/eva/any_drive.h"

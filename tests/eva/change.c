@@ -1,5 +1,7 @@
 /* change.c - the operations on a plant between two segments: set-up, new parameters (any doubles at all),
  * a climb, a reset, a state, and the functions that read it. */
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "tests/eva/any_plant.h"
 
 static void set_up(const struct model *m)

@@ -7,10 +7,12 @@
 #define plant_accepts plant_accepts_left_out
 #define plant_change  plant_change_left_out
 #include "firmware/plant/plant_change.c"
+#include "firmware/plant/plant_change.h"
 #undef plant_accepts
 #undef plant_change
 #define wire_decode wire_decode_proved_elsewhere
 #include "firmware/bus/wire.c"
+#include "firmware/bus/wire_table.h"
 #undef wire_decode
 
 #include "firmware/app/app.h"

@@ -14,9 +14,9 @@ eva_src_arm     := firmware/app/command_drives.c firmware/app/app_apply.c firmwa
                    $(filter models/%,$(filter-out models/scenes/%,$(CORE_SRC))) firmware/plant/plant.c firmware/bus/wire.c firmware/bus/wire_table.c
 eva_src_plant   := $(filter models/%,$(filter-out models/scenes/% models/math/elementary.c,$(CORE_SRC))) \
                    $(filter-out firmware/plant/plant.c,$(wildcard firmware/plant/plant*.c)) \
-                   $(addprefix firmware/plant/,drive.c noise.c ledger.c segment.c)
+                   $(addprefix firmware/plant/,drive.c noise.c ledger.c) firmware/method/segment.c
 eva_src_change  := $(eva_src_plant)
-eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/method/rk4*.c firmware/method/float32/*.c) firmware/method/switch.c firmware/plant/segment.c
+eva_src_rk4     := $(filter models/%,$(eva_src_plant)) $(wildcard firmware/method/rk4*.c firmware/method/float32/*.c) firmware/method/switch.c firmware/method/segment.c
 eva_src_elementary := models/math/elementary.c
 eva_src_settings := firmware/app/parameters.c $(addprefix firmware/bus/,mailbox.c settings.c wire.c wire_table.c) \
                    $(addprefix firmware/observe/,lockin.c lockin_fit.c lockin_slots.c sensor.c) models/afm_tip.c models/model.c models/math/elementary.c

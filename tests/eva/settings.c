@@ -8,6 +8,7 @@
 #include "firmware/app/app_apply.h"
 #include "firmware/app/command_drives.h"
 #include "firmware/app/parameters.h"
+#include "firmware/plant/plant_change.h"
 #include "models/afm_tip.h"
 #include "tests/eva/seams.h"
 

@@ -7,12 +7,14 @@
 #define telemetry_drop_kept telemetry_drop_kept_itself
 #define telemetry_reply     telemetry_reply_itself
 #include "firmware/app/telemetry_send.c"
+#include "firmware/app/telemetry_send.h"
 #undef telemetry_send
 #undef telemetry_send_kept
 #undef telemetry_waits
 #undef telemetry_drop_kept
 #undef telemetry_reply
 
+#include "firmware/bus/wire_table.h"
 #include "models/shaft_bearing.h"
 #include "tests/eva/any_plant.h"
 #include "tests/eva/seams.h"

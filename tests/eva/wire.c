@@ -1,5 +1,6 @@
 /* wire.c - any frame decodes, any message encodes, with the lowest and with the highest identifiers. */
 #include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 #include "tests/eva/eva.h"
 
 static void any_scene(struct wire_scene *s, uint32_t base)

@@ -1,5 +1,6 @@
 /* frame.c - the frame decoder: what it takes says the same when it is encoded and decoded again. */
 #include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* log.c - a candump log: every line is taken or named, and a
  * line that was taken says the same when it is written again. */
 #include "hal/posix/log.h"
+#include "hal/posix/log_read.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fixture/packet.h"
 

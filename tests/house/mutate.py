@@ -26,7 +26,7 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
                          "noise", "ledger", "switch", "watch", "app_", "energy"],
     "firmware/plant/plant_change.c": ["plant_b", "plant_change", "plant", "selftest", "ledger", "watch", "app_"],
     "firmware/method/switch.c": ["switch", "selftest", "plant", "chatter", "exact_", "taylor_", "reference"],
-    "firmware/plant/segment.c": ["segment", "selftest", "plant", "noise"],
+    "firmware/method/segment.c": ["segment", "selftest", "plant", "noise"],
     "firmware/plant/ledger.c": ["ledger", "app_told", "energy", "watch"],
     "firmware/observe/lockin.c": ["lockin", "app_lockin"],
     "firmware/observe/lockin_fit.c": ["lockin_fit", "app_lockin"],

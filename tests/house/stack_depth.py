@@ -12,8 +12,8 @@ import sys
 
 # By the caller, FILE:FUNCTION, the first that fits: files, and functions in them, that it may call through a pointer.
 MODELS = (r"models/.*", r".*")
-STEP, REFUSE, SET_UP = r"step.*|run_any|books", r"(exact_)?refuse", r"(refuse|prepare|bind|n_scratch|exact_\w+)(\..*)?"
-KINDS = r"firmware/method/(rk4|float32/rk4_float32|rk4_unlocated|taylor/taylor|exact/exact|exact/exact_tables|adams/adams)\.c"
+STEP, REFUSE, SET_UP = r"step.*|run_any|books", r"(exact_)?refuse\w*", r"(refuse\w*|prepare|bind\w*|n_scratch|exact_\w+)(\..*)?"
+KINDS = r"firmware/method/(rk4|float32/rk4_float32|taylor/taylor|exact/exact|exact/exact_tables|adams/adams)\.c"
 INDIRECT = [
     (r"firmware/method/switch\.c:.*", [(r"firmware/method/(float32/)?rk4\w*\.c", r"advance_general|run_through"), MODELS]),
     (r"firmware/method/rk4_unlocated\.c:.*", [(r"firmware/method/rk4\.c", r"step.*|refuse|bind"), MODELS]),

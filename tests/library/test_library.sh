@@ -213,7 +213,7 @@ grow client host_sim/live/client.h
 grow scene_app host_sim/scene/scene_app.h
 grow contactplant host_sim/library/library.h
 grow contactplant_client host_sim/library/library.h
-grow contactplant_afm host_sim/library/library.h
+grow contactplant_afm host_sim/library/library_afm.h
 sources=$(make -s lib-sources)
 flags=$(make -s lib-flags)
 (cd "$here/grown" && gcc -O0 $flags -w -shared -Wl,-soname,libcontactplant.so."$abi" $sources -lm -o libcontactplant.so."$abi") 2>"$here/log"

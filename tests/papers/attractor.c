@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 #include "models/math/symmetric3.h"
+#include "models/reduced/shaft_mode.h"
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"
 #include "tests/papers/motion.h"

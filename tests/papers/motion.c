@@ -2,6 +2,7 @@
 #include "tests/papers/motion.h"
 
 #include <math.h>
+#include "firmware/plant/plant_change.h"
 
 const char *motion_start(struct motion *m, const struct model *model, const double *paper, double tick,
                          double tol, const double *state)

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "models/reduced/shaft_mode.h"
 #include "models/shaft_bearing.h"
 #include "tests/papers/motion.h"
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include "firmware/observe/lockin.h"
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "models/afm_tip.h"
 #include "tests/unit/test.h"
 

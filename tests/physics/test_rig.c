@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 #include "tests/fixture/free_motion.h"
 #include "tests/fixture/rig.h"

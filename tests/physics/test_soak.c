@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "firmware/app/account.h"
+#include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"
 #include "tests/fixture/exact.h"
 #include "tests/unit/test.h"

@@ -8,6 +8,7 @@
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/exact.h"
 

@@ -10,6 +10,7 @@
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/reduced/polynomial.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 

@@ -13,7 +13,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "firmware/method/auto.h"
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "models/models.h"
 #include "tests/tolerance/tolerance_force.h"
 

@@ -19,6 +19,7 @@
 #include <string.h>
 #include "firmware/method/adams/adams.h"
 #include "firmware/method/adams/adams_books.h"
+#include "firmware/method/adams/adams_wave.h"
 #include "firmware/method/switch.h"
 #include "models/check.h"
 

@@ -1,8 +1,11 @@
-/* adams.h - scratch memory of `adams`, and the inputs' share in a tick (adams_wave.c). */
+/* adams.h - scratch memory of `adams`. */
 #ifndef FIRMWARE_METHOD_ADAMS_H
 #define FIRMWARE_METHOD_ADAMS_H
 
 #include "firmware/method/method.h"
+
+/* The step guard of adams: above it the predictor loses its order. */
+#define ADAMS_ANGLE_MAX 0.3
 
 enum {
     ADAMS_NODES = 5, /* forces that the predictor looks back on */
@@ -77,14 +80,5 @@ struct adams {
     bool has_switched;
     struct method_switch switched;
 };
-
-/* The series of the functions below, once for all. */
-void adams_prepare_series(struct adams *s);
-
-/* The active inputs, their waves and their push in a tick. A wave that only turns on keeps its response. */
-void adams_take_waves(struct adams *s, const struct segment *e);
-
-/* Their push in a span of any length that begins with the segment. */
-void adams_push_for(const struct adams *s, double length, struct adams_push *push);
 
 #endif

@@ -1,4 +1,4 @@
-/* adams_wave.c - the inputs' share in a tick of `adams`, in closed form; see adams.h.
+/* adams_wave.c - the inputs' share in a tick of `adams`, in closed form.
  *
  * A force u(s) adds the integrals of (h - s) u(s) to the place and of u(s) to the rate. With M_k the integral
  * of t^k exp(i z t) over 0 <= t <= 1, z = omega h, a wave amplitude cos(theta + omega s) adds the real parts
@@ -6,7 +6,7 @@
  * series; the others follow from it by parts, upwards without cancellation:
  *
  *     M_(k-1) = (exp(i z) - i z M_k)/k */
-#include "firmware/method/adams/adams.h"
+#include "firmware/method/adams/adams_wave.h"
 
 #include "models/math/elementary.h"
 

@@ -14,10 +14,14 @@
  *     a tick                                                                             165
  *     a switch (two polynomials, the root, the state there and at the end)              2400
  *     a tick or part of it by the series itself                                 1500 to 2500 */
+#include "firmware/method/exact/exact.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#include "firmware/method/exact/exact_root.h"
 #include "firmware/method/exact/exact_series.h"
+#include "firmware/method/exact/exact_tables.h"
 
 enum {
     ANY_PIECES = 256 /* bound on the pieces of a step that runs through its switches */

@@ -1,8 +1,9 @@
 /* exact_root.c - the instant at which a gap leaves its regime, on the closed form itself. */
-#include "firmware/method/exact/exact_series.h"
+#include "firmware/method/exact/exact_root.h"
 
 #include <float.h>
 #include <math.h>
+#include "firmware/method/exact/exact_series.h"
 
 enum {
     ROOT_STEPS =

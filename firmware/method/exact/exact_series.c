@@ -1,5 +1,4 @@
-/* exact_series.c - the power series of a regime's solution, expanded or added up from tables; see
- * exact_series.h. */
+/* exact_series.c - the power series of a regime's solution, expanded or added up from tables. */
 #include "firmware/method/exact/exact_series.h"
 
 #include <math.h>

@@ -1,11 +1,12 @@
 /* exact_tables.c - method exact at the start: refusals, the systems of the regimes, responses over a tick and
  * inside it. */
-#include "firmware/method/exact/exact_series.h"
+#include "firmware/method/exact/exact_tables.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 #include "models/math/elementary.h"
+#include "firmware/method/exact/exact_series.h"
 
 enum { SQUARINGS = 12 };
 

@@ -12,6 +12,7 @@
 #include <float.h>
 #include <stddef.h>
 #include <string.h>
+#include "firmware/method/float32/rk4_float32_forms.h"
 #include "firmware/method/float32/rk4_float32_kernels.h"
 #include "firmware/method/switch.h"
 

@@ -72,10 +72,4 @@ struct float32_scratch {
     struct float32_form form;
 };
 
-/* NULL, or why no form fits this model. */
-const char *rk4_float32_refuse_model(const struct model *m, const double *p);
-/* The positions at rest, and the form without h. */
-void rk4_float32_prepare_form(const struct model *m, const double *p, double *reference,
-                              struct float32_form *form);
-
 #endif

@@ -1,5 +1,5 @@
 /* rk4_float32_forms.c - the views of a model as float coefficients about its rest; see rk4_float32.h. */
-#include "firmware/method/float32/rk4_float32.h"
+#include "firmware/method/float32/rk4_float32_forms.h"
 
 #include <math.h>
 #include <string.h>

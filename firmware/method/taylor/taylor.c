@@ -8,11 +8,16 @@
  *
  * Error: about the tolerance times the size of the motion (taylor_size.c), independent of the step. Cost at 4
  * GHz (make bench): 130 ns a series in time, 280 ns one in regularised variables, 40 ns a short one. */
+#include "firmware/method/taylor/taylor.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#include "firmware/method/method.h"
+#include "firmware/method/taylor/taylor_load.h"
 #include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/method/taylor/taylor_short.h"
+#include "firmware/method/taylor/taylor_short_cubic.h"
+#include "firmware/method/taylor/taylor_size.h"
 #include "models/math/elementary.h"
 
 enum {

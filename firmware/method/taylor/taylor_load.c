@@ -1,5 +1,5 @@
-/* taylor_load.c - the inputs of a plant as constants, slopes and tones; see taylor_series.h. */
-#include "firmware/method/taylor/taylor_series.h"
+/* taylor_load.c - the inputs of a plant as constants, slopes and tones. */
+#include "firmware/method/taylor/taylor_load.h"
 
 #include <string.h>
 #include "models/math/elementary.h"

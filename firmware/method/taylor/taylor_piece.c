@@ -5,6 +5,9 @@
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
+#include "firmware/method/taylor/taylor_load.h"
+#include "firmware/method/taylor/taylor_regular.h"
+#include "firmware/method/taylor/taylor_root.h"
 
 /* Contact that ends later than this takes a series in time: it reaches as far as one in s, and costs half.
  * The limits are in model time and in radians of the fastest tone. */

@@ -1,10 +1,11 @@
-/* taylor_regular.c - the contact as a series in regularised variables; see taylor_series.h.
+/* taylor_regular.c - the contact as a series in regularised variables.
  *
  * eta = y^2, dt = 2 y ds, w = eta':
  *   y' = w,  t' = 2 y,  p' = 2 omega y q,  q' = -2 omega y p  (each tone),
  *   w' = 2 y (g - k y^3 - stiffness y^2) - damping (y^2)',
  * a polynomial system: no division, no root, and nothing singular at y = 0. */
-#include "firmware/method/taylor/taylor_series.h"
+#include "firmware/method/taylor/taylor_load.h"
+#include "firmware/method/taylor/taylor_regular.h"
 
 enum { STEADY_TONES = 2 };
 

@@ -1,5 +1,5 @@
-/* taylor_root.c - the first sign change of a series; see taylor_series.h. */
-#include "firmware/method/taylor/taylor_series.h"
+/* taylor_root.c - the first sign change of a series. */
+#include "firmware/method/taylor/taylor_root.h"
 
 #include <math.h>
 

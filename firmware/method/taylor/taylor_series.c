@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/method/taylor/taylor_load.h"
 
 /* (5/2) j/n - 1: a constant where the loops are unrolled. */
 #define HALF(j, n) ((5.0 * (j)-2.0 * (n)) / (2.0 * (n)))

@@ -1,4 +1,4 @@
-/* taylor_series.h - the power series of method taylor: the load of a plant as a series, and the expansions.
+/* taylor_series.h - the power series of method taylor: expansions, and values.
  *
  * Two kinds of plant, both of one degree of freedom (models/model.h):
  *   hertz_form       eta'' = g(t) - damping eta' - stiffness eta - k(t) eta_+^{3/2}
@@ -9,12 +9,11 @@
 #define FIRMWARE_TAYLOR_SERIES_H
 
 #include <stdbool.h>
-#include "models/check.h"
-#include "firmware/method/method.h"
+#include "firmware/method/taylor/taylor_load.h"
 
 /* The order is the cheapest for tolerances from 1e-5 to 1e-12; order 12 costs 1.1 to 2 times as much there.
  * It is a multiple of four, because polynomials are evaluated in four chains. */
-enum { TAYLOR_ORDER = 16, TAYLOR_TERMS = TAYLOR_ORDER + 1, TAYLOR_LANES = 4 };
+enum { TAYLOR_ORDER = 16, TAYLOR_TERMS = TAYLOR_ORDER + 1 };
 
 /* Loops over the terms of a series have constant bounds; unrolled, each coefficient is a register or a
  * constant. The order of the operations, and so the bits, are those of the loop. */
@@ -53,58 +52,6 @@ ALWAYS_INLINE void taylor_pair_put(double *a, taylor_pair x)
     a[1] = x[1];
 #endif
 }
-
-/* A lane gets value u + rate u' + acceleration u'' from an input. */
-struct taylor_term {
-    int lane;
-    double value, rate, acceleration;
-};
-
-/* Every lane: base + its terms; those of input i from term[first[i]] to before term[first[i + 1]]. */
-struct taylor_lanes {
-    double damping, stiffness;
-    double base[TAYLOR_LANES];
-    int first[MODEL_INPUTS + 1];
-    struct taylor_term term[MODEL_INPUTS * TAYLOR_LANES];
-};
-
-/* One frequency in one lane: p(t) + t tp(t), where p' = omega q, q' = -omega p, and so for tp, tq; values at
- * t = 0. */
-struct taylor_tone {
-    double omega, p, q, tp, tq;
-    int lane;
-};
-
-/* The tone that a term makes of a wave:
- *   u = (A + G t) C,  u' = G C - omega (A + G t) S,  u'' = -omega^2 (A + G t) C - 2 omega G S,
- * and c C + s S is a p with q = s C - c S. */
-ALWAYS_INLINE struct taylor_tone taylor_tone_of(const struct taylor_term *term, const struct wave *w)
-{
-    double omega = w->omega, cosine = w->cosine, sine = w->sine;
-    struct taylor_tone t = {.omega = omega, .lane = term->lane};
-    double even = term->value - term->acceleration * (omega * omega), odd = omega * term->rate;
-    double c = even * w->amplitude, s = -odd * w->amplitude;
-    if (w->growth != 0.0) {
-        double tc = even * w->growth, ts = -odd * w->growth;
-        c += term->rate * w->growth;
-        s -= 2.0 * omega * term->acceleration * w->growth;
-        t.tp = tc * cosine + ts * sine;
-        t.tq = ts * cosine - tc * sine;
-    }
-    t.p = c * cosine + s * sine;
-    t.q = s * cosine - c * sine;
-    return t;
-}
-
-/* The lanes as functions of time from one instant on: constant + slope t + tones. */
-struct taylor_load {
-    double damping, stiffness;
-    double constant[TAYLOR_LANES], slope[TAYLOR_LANES];
-    unsigned varies;  /* bit l: lane l is not constant */
-    unsigned ramping; /* bit l: lane l has a slope or a growing amplitude */
-    int n_tones;
-    struct taylor_tone tone[MODEL_INPUTS * TAYLOR_LANES];
-};
 
 /* Coefficient n of the product of two series, n known to the compiler. The sum goes from the middle outwards,
  * so that it waits for the newest coefficients only at the end. */
@@ -154,15 +101,6 @@ ALWAYS_INLINE double taylor_cube(const double *z, const double *z2, int n)
     return low + high;
 }
 
-/* The lanes of a model that has one of the two forms; empty where it has neither. */
-void taylor_lanes_of(const struct model *m, const double *p, struct taylor_lanes *lanes);
-
-/* The load from the start of a segment on. Inputs of one frequency share a tone. */
-void taylor_load_begin(struct taylor_load *load, const struct taylor_lanes *lanes, const struct segment *e);
-
-/* Moves the load to an instant `s` later. */
-void taylor_load_move(struct taylor_load *load, double s);
-
 /* Series in time of the coordinate from (x0, v0).
  * taylor_flight: hertz_form without its contact.
  * taylor_contact: eta0 > 0; force[0..ORDER-2] becomes the series of eta^{3/2}.
@@ -171,25 +109,11 @@ void taylor_flight(const struct taylor_load *load, double x0, double v0, double 
 void taylor_contact(const struct taylor_load *load, double eta0, double v0, double *eta, double *force);
 void taylor_polynomial(const struct taylor_load *load, double x0, double v0, double *x);
 
-/* Contact in regularised variables: eta = y^2, dt = 2 y ds, w = eta'. Series in s of y, w and the time, from
- * (y0, w0) at time 0, y0 >= 0. They converge through touchdown and lift-off, where y = 0. */
-void taylor_regular(const struct taylor_load *load, double y0, double w0, double *y, double *w, double *t);
-
 /* Value of a series at x; value and slope. */
 double taylor_value(const double *c, double x);
 struct taylor_jet {
     double value, slope;
 };
 struct taylor_jet taylor_jet_at(const double *c, double x);
-
-/* A root of a series. */
-struct taylor_root {
-    double at;
-    bool residual; /* it did not converge within the bound on iterations */
-};
-
-/* The first instant in (0, x] where sign * series turns from negative to not negative; false when there is
- * none. A series that starts at exactly 0 is taken as having left zero: that root does not count. */
-bool taylor_first_root(const double *c, double sign, double x, struct taylor_root *root);
 
 #endif

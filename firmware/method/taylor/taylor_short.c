@@ -3,8 +3,10 @@
  * A plant in a loop gets a new input each tick, and a long series would be used for a small part of its reach
  * only. And where a long series reaches a few ticks, a short one in every tick costs less. Time is in ticks,
  * so that the coefficients are the terms themselves: their sum is the state, their tail the error. */
-#include <math.h>
 #include "firmware/method/taylor/taylor_short.h"
+
+#include <math.h>
+#include "firmware/method/taylor/taylor_load.h"
 
 /* Orders tried one after the other until one meets the tolerance. */
 enum { FIRST = 8, SECOND = 10, ORDER = 12, LAST = ORDER - 2 };

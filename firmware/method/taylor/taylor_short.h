@@ -5,7 +5,8 @@
 #define FIRMWARE_TAYLOR_SHORT_H
 
 #include <math.h>
-#include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/method/taylor/taylor.h"
+#include "firmware/method/taylor/taylor_load.h"
 
 /* Order of a force at most: the coordinate has two orders more. */
 enum { TAYLOR_SHORT_LAST = 12 };
@@ -102,5 +103,13 @@ ALWAYS_INLINE double taylor_long_allowed(const struct taylor *t)
     double size = fabs(t->eta);
     return t->allowed * (size > 1.0 ? size : 1.0);
 }
+
+/* Instead of a piece: the whole segment by one series of order 8, 10 or 12, for a Hertzian contact. `brief`
+ * then says whether that was worth it. False when no such series holds that far or a contact switches; the
+ * motion is unchanged. */
+bool taylor_short(struct taylor *t, const struct segment *e);
+
+/* After this piece, is one short series per step sufficient and cheaper? */
+bool taylor_is_brief(const struct taylor *t, const struct segment *e);
 
 #endif

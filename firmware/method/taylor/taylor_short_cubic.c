@@ -1,8 +1,10 @@
-/* taylor_short_cubic.c - one tick of a cubic force by a series of low order, read once at its end; see
- * taylor_short.h.
+/* taylor_short_cubic.c - one tick of a cubic force by a series of low order, read once at its end.
  *
  * It is in the deviation z from the start of the tick (taylor_shift). It takes fewer products than the 3/2
  * power of a Hertzian contact, and there is no switch to find. */
+#include "firmware/method/taylor/taylor_short_cubic.h"
+
+#include "firmware/method/taylor/taylor_load.h"
 #include "firmware/method/taylor/taylor_short.h"
 
 /* Orders, one after the other until the tolerance is met. */

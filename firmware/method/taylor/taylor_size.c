@@ -1,10 +1,12 @@
-/* taylor_size.c - the size of a motion, and the error that its series may leave; see taylor_piece.h.
+/* taylor_size.c - the size of a motion, and the error that its series may leave.
  *
  * The tolerance is relative to the largest deviation from rest or to the largest rate so far, whichever is
  * smaller. So position and velocity both keep it. A motion that begins is small, and its first series are
  * short. The size is a power of two, so that it changes rarely. Together the long series of a motion leave
  * less than an eighth of the error that each is allowed, short ones less than a half (make tolerance). So
  * nothing is tightened for motions larger than an eighth or a half of the contact's length. */
+#include "firmware/method/taylor/taylor_size.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>

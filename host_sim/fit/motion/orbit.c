@@ -3,6 +3,8 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/fit/solve/matrix.h"
 #include "models/math/elementary.h"
 

@@ -2,6 +2,8 @@
 #include "host_sim/fit/motion/series.h"
 
 #include <math.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/math/elementary.h"
 
 enum { CONTACT_TICKS = 8, FINE = 5, TICKS_MOST = 10000 };

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "host_sim/fit/motion/linear.h"
 #include "host_sim/fit/motion/series.h"
 #include "models/math/elementary.h"

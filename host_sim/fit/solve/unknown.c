@@ -1,6 +1,7 @@
 /* unknown.c - see unknown.h. */
 #include "host_sim/fit/solve/unknown.h"
 
+#include "firmware/plant/plant_change.h"
 #include "models/math/elementary.h"
 
 double unknown_value(const struct fit_unknown *k, double u)

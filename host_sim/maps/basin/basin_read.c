@@ -1,4 +1,6 @@
 /* basin_read.c - see basin_read.h. */
+#include "firmware/method/auto.h"
+#include "host_sim/batch/batch_taylor_set.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/maps/basin/basin_read.h"
 #include "firmware/plant/drive.h"

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/batch/batch_taylor.h"
+#include "host_sim/batch/batch_taylor_set.h"
 #include "host_sim/maps/basin/basin_repeat.h"
 
 /* Starts side by side. A start that has settled leaves; the others continue in a smaller batch. */

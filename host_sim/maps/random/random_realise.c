@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_check.h"

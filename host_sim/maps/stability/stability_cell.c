@@ -3,6 +3,8 @@
 
 #include <math.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "host_sim/scene/plant_of_scene.h"

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/maps/maps.h"
 #include "models/math/elementary.h"
 #include "models/reduced/polynomial.h"

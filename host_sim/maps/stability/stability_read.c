@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/maps/stability/stability_floquet.h"
 #include "models/math/elementary.h"

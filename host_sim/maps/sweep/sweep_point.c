@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/math/elementary.h"

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "firmware/plant/plant_report.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/live/bus.h"

@@ -6,6 +6,8 @@
 #include <string.h>
 #include "firmware/app/parameters.h"
 #include "firmware/app/session.h"
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_report.h"
 #include "hal/link/faults.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/selftest.h"

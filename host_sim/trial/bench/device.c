@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+#include "firmware/bus/wire_table.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/ticks.h"

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/ticks.h"

@@ -13,6 +13,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "tests/bench/classical.h"
 #include "tests/bench/physics/physics.h"
 #include "tests/fixture/afm/tapping.h"

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "host_sim/batch/batch_taylor.h"
+#include "host_sim/batch/batch_taylor_set.h"
 #include "models/hertz_rig.h"
 #include "tests/bench/cost/bench_time.h"
 

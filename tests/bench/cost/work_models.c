@@ -3,9 +3,11 @@
 
 #include "firmware/plant/plant.h"
 #include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/plant/plant_change.h"
 #include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/afm/paper_tip.h"

@@ -3,7 +3,9 @@
 
 #include <string.h>
 #include "firmware/app/app.h"
+#include "firmware/method/auto.h"
 #include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/plant/plant_change.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/silent_bus.h"

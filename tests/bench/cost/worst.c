@@ -5,6 +5,7 @@
  * it. No motion may come near a bound: PLANT_PIECES pieces, and the 32 series of a call of taylor. */
 #include <stdio.h>
 #include "firmware/method/exact/exact_series.h"
+#include "firmware/method/taylor/taylor_load.h"
 #include "firmware/method/taylor/taylor_piece.h"
 #include "tests/bench/cost/worst_cases.h"
 

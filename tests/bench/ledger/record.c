@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/plant/plant_change.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"

@@ -6,6 +6,7 @@
  * median of runs whose height and step differ by a few per cent, beside it the lowest and the highest. */
 #include <math.h>
 #include <stdio.h>
+#include "firmware/plant/plant_change.h"
 #include "models/hertz_rig.h"
 #include "tests/bench/physics/physics.h"
 #include "tests/fixture/exact.h"

@@ -4,6 +4,7 @@
  * half of the time). The error is the largest since the row before, relative to the energy above rest. */
 #include <math.h>
 #include <stdio.h>
+#include "firmware/plant/plant_change.h"
 #include "models/hertz_rig.h"
 #include "tests/bench/physics/physics.h"
 #include "tests/fixture/orbit.h"

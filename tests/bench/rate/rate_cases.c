@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "models/text.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"

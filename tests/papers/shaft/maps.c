@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "models/reduced/shaft_mode.h"
 #include "tests/papers/one_mode.h"
 #include "tests/papers/response.h"
 #include "tests/papers/rows.h"

@@ -1,6 +1,7 @@
 /* shaft_hard.c - figure 8 of the shaft-bearing paper: responses with hard contact at three forces, and at 25
  * N the branch of period 1 and the model of one mode. Prints docs/img/papers/shaft_hard.csv. */
 #include <stdio.h>
+#include "models/reduced/shaft_mode.h"
 #include "tests/papers/response.h"
 #include "tests/papers/rows.h"
 

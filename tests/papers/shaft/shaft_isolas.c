@@ -6,6 +6,7 @@
 #include <string.h>
 #include "host_sim/maps/basin/basin_clusters.h"
 #include "host_sim/maps/basin/basin_starts.h"
+#include "models/reduced/shaft_mode.h"
 #include "tests/papers/response.h"
 #include "tests/papers/rows.h"
 

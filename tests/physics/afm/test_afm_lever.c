@@ -7,8 +7,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/method/modal.h"
 #include "firmware/app/plant_scene.h"
+#include "firmware/method/modal_run.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/scene/scene_load.h"
 #include "tests/fixture/afm/lever.h"
 #include "tests/fixture/imaginary.h"

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
 #include "firmware/afm/codes.h"
+#include "firmware/plant/plant_report.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/library/library.h"
 #include "tests/fixture/bus.h"

@@ -5,7 +5,10 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/library/library.h"
+#include "host_sim/library/library_afm.h"
 #include "tests/fixture/bus.h"
 
 #define TWO_PI 6.283185307179586

@@ -2,6 +2,7 @@
  * says of ARM, FIRE, stop, time-out and reset. */
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 

@@ -4,6 +4,7 @@
  * the energy that swings, the rest of a ramp, and the age of a heartbeat. */
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "models/afm_tip.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"

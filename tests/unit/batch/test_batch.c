@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/batch/batch_taylor_set.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/rolling_contact.h"

@@ -6,7 +6,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/method/taylor/taylor_load.h"
+#include "firmware/method/taylor/taylor_regular.h"
 #include "firmware/method/taylor/taylor_series.h"
+#include "host_sim/batch/batch_root.h"
 #include "host_sim/batch/batch_series.h"
 #include "tests/fixture/exact.h"
 

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/bus/wire.h"
+#include "firmware/bus/wire_table.h"
 
 static const struct wire_scene scene = {.base_id = 0x200, .lsb = {1e-9, 1e-5, 2e-9, 0.01}};
 

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/exact.h"
 #include "tests/fixture/gap_oscillator.h"

@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/method/exact/exact_root.h"
 #include "firmware/method/exact/exact_series.h"
+#include "firmware/method/exact/exact_tables.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/gap_oscillator.h"
 

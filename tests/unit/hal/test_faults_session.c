@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "hal/link/faults.h"
 #include "host_sim/live/fault_list.h"
 #include "tests/fixture/bus.h"

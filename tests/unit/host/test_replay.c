@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "firmware/plant/plant_report.h"
 #include "firmware/stage/stages.h"
 #include "hal/link/faults.h"
 #include "hal/posix/log.h"
+#include "hal/posix/log_read.h"
 #include "host_sim/replay/replay_source.h"
 #include "host_sim/live/fault_list.h"
 #include "tests/fixture/bus.h"

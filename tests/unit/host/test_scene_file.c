@@ -12,6 +12,7 @@
 #include "host_sim/cli/unit.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 #include "tests/fixture/silent_bus.h"
 
 static char why[SCENE_FILE_REASON];

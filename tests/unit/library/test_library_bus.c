@@ -7,6 +7,7 @@
 #include "firmware/method/method.h"
 #include "models/afm_lever.h"
 #include "models/scenes/scenes.h"
+#include "models/scenes/scenes_table.h"
 #include "tests/unit/test.h"
 
 static union contactplant_memory memory, other;

@@ -6,9 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method/method.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/scene/scene.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 #include "tests/unit/test.h"
 
 static union contactplant_memory memory, other;

@@ -2,11 +2,14 @@
  * start one tick at a time. Compared are outcome, periods, the state where it ends, and all that is
  * measured from there. */
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "host_sim/batch/batch_taylor_set.h"
 #include "host_sim/maps/basin/basin_repeat.h"
 #include "host_sim/maps/basin/basin_settle.h"
 #include "host_sim/batch/batch_taylor.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/shaft_views.h"
 #include "tests/unit/test.h"
 

@@ -13,6 +13,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "models/afm_tip.h"
 #include "models/math/elementary.h"
 #include "models/shaft_bearing.h"

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/afm_tip.h"
 #include "models/models.h"
 

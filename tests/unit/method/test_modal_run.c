@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/method/modal.h"
+#include "firmware/method/modal_run.h"
 #include "tests/fixture/afm/lever.h"
 
 enum { MODAL_TICKS = 4000, RUN = 7 };

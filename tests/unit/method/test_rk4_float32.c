@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method/float32/rk4_float32.h"
+#include "firmware/method/float32/rk4_float32_forms.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
 #include "models/shaft_bearing.h"

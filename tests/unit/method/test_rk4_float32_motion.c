@@ -8,8 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/scenes/scenes_table.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/exact.h"
 #include "tests/fixture/paper.h"

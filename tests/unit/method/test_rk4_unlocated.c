@@ -4,8 +4,11 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/free_motion.h"

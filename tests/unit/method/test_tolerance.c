@@ -6,7 +6,9 @@
 #include <complex.h>
 #include <math.h>
 #include <stdio.h>
+#include "firmware/method/auto.h"
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
 

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/models.h"
 #include "models/reduced/polynomial.h"

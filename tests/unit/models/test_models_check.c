@@ -4,9 +4,11 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/app/parameters.h"
+#include "firmware/plant/plant_change.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/models.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/exact.h"

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/models.h"

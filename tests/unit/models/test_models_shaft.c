@@ -4,6 +4,7 @@
 #include <complex.h>
 #include <math.h>
 #include <string.h>
+#include "models/reduced/shaft_mode.h"
 #include "models/shaft_bearing.h"
 #include "models/math/symmetric3.h"
 #include "tests/fixture/exact.h"

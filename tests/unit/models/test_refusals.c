@@ -6,11 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "hal/can/can.h"
 #include "hal/link/faults.h"
 #include "hal/posix/log.h"
 #include "hal/link/loopback.h"
 #include "hal/ethernet/net.h"
+#include "hal/posix/log_read.h"
 #include "host_sim/replay/replay_source.h"
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"

@@ -6,11 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/scene/scene_check.h"
 #include "models/afm_tip.h"
 #include "models/math/elementary.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "models/reduced/shaft_mode.h"
+#include "models/scenes/scenes_range.h"
+#include "models/scenes/scenes_table.h"
 #include "models/shaft_views.h"
 
 static struct plant plant;

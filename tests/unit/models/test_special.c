@@ -5,9 +5,12 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/scene/scene_file.h"
 #include "host_sim/scene/scene_print.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 

@@ -4,6 +4,8 @@
  * LSB. Other tests are signals that they must not touch, and values that are refused. */
 #include <math.h>
 #include <string.h>
+#include "firmware/bus/wire_table.h"
+#include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 

@@ -6,10 +6,13 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/models.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/bus.h"

@@ -6,9 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
 #include "models/rolling_contact.h"
+#include "models/scenes/scenes_table.h"
 
 enum { FRAMES = 100 /* from one look to the next */ };
 

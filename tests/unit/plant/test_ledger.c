@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "tests/fixture/rig.h"

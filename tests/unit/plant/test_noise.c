@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 #include "tests/fixture/exact.h"
 #include "tests/fixture/rig.h"

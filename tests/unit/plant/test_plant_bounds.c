@@ -3,6 +3,7 @@
 #include "tests/unit/test.h"
 
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
 #include "models/hertz_rig.h"
 #include "tests/fixture/assertion.h"
 

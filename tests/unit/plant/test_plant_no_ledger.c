@@ -4,7 +4,10 @@
 #include <math.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "host_sim/scene/scene_check.h"
+#include "models/scenes/scenes_table.h"
 #include "tests/unit/test.h"
 
 enum { TICKS = 4000 };

@@ -3,6 +3,8 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "tests/fixture/rig.h"

@@ -3,6 +3,8 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/rig.h"

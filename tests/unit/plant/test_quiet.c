@@ -7,6 +7,8 @@
 
 #include <string.h>
 #include "firmware/plant/plant.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "firmware/stage/stages.h"
 #include "models/afm_lever.h"
 #include "models/hertz_rig.h"

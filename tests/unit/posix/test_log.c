@@ -8,6 +8,7 @@
 #include <unistd.h>
 #include "hal/posix/log.h"
 #include "hal/link/loopback.h"
+#include "hal/posix/log_read.h"
 #include "tests/unit/test.h"
 
 static struct loopback_bus bus;

@@ -1,4 +1,5 @@
 /* test_decoder.c - frames of a plant as events of the scope: lost on the way, repeated, begun anew. */
+#include "firmware/bus/wire_table.h"
 #include "host_sim/scope/decoder_events.h"
 #include "tests/unit/test.h"
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 

@@ -1,6 +1,7 @@
 /* test_share.c - one bus for many plants: who gets which
  * frame, what a flood does, and plants beside each other. */
 #include "firmware/app/app.h"
+#include "firmware/plant/plant_report.h"
 #include "hal/link/loopback.h"
 #include "hal/link/share.h"
 #include "tests/fixture/bus.h"

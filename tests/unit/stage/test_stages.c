@@ -3,6 +3,7 @@
 #include <complex.h>
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/plant_report.h"
 #include "firmware/stage/stages.h"
 #include "models/afm_tip.h"
 #include "tests/fixture/bus.h"

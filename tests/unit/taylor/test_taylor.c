@@ -6,6 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method/taylor/taylor_piece.h"
+#include "firmware/method/taylor/taylor_short.h"
+#include "firmware/method/taylor/taylor_short_cubic.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/method/taylor/taylor_load.h"
+#include "firmware/method/taylor/taylor_regular.h"
+#include "firmware/method/taylor/taylor_root.h"
 #include "firmware/method/taylor/taylor_series.h"
 #include "models/math/elementary.h"
 #include "tests/fixture/exact.h"

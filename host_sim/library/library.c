@@ -1,4 +1,4 @@
-/* library_open.c - versions, errors, and a plant from a scene in the caller's memory. */
+/* library.c - versions, errors, and a plant from a scene in the caller's memory. */
 #include "host_sim/library/library.h"
 
 #include <ctype.h>
@@ -6,9 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
 #include "host_sim/out/utf8.h"
 #include "host_sim/scene/plant_of_scene.h"
 #include "models/models.h"
+#include "models/scenes/scenes_table.h"
 
 STATIC_ASSERT(sizeof(struct contactplant) <= CONTACTPLANT_SIZE, plant_fits_its_promised_size);
 STATIC_ASSERT(CONTACTPLANT_PROTOCOL == WIRE_VERSION, protocol_of_the_header);
@@ -92,15 +94,6 @@ int library_fail(struct contactplant_error *e, int code, const char *format, ...
 bool library_is_plant(const struct contactplant *p)
 {
     return p && (uintptr_t)p % CONTACTPLANT_ALIGN == 0 && p->magic == plant_magic;
-}
-
-bool library_may_change(struct contactplant *p)
-{
-    if (!p->on_bus)
-        return true;
-    (void)library_fail(&p->error, CONTACTPLANT_BAD_ORDER,
-                       "this plant is on a bus, where frames move it; contactplant_open gives a plant alone");
-    return false;
 }
 
 const char *contactplant_error(const struct contactplant *p)

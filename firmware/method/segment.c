@@ -1,5 +1,5 @@
-/* segment.c - parts of a segment: up to an instant (head) and from an instant on (tail). */
-#include "firmware/method/method.h"
+/* segment.c - waves, and parts of a segment. */
+#include "firmware/method/segment.h"
 
 #include "models/math/elementary.h"
 

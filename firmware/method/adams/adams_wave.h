@@ -1,0 +1,16 @@
+/* adams_wave.h - the inputs' share in a tick of `adams`. */
+#ifndef FIRMWARE_ADAMS_WAVE_H
+#define FIRMWARE_ADAMS_WAVE_H
+
+#include "firmware/method/adams/adams.h"
+
+/* The series of the functions below, once for all. */
+void adams_prepare_series(struct adams *s);
+
+/* The active inputs, their waves and their push in a tick. A wave that only turns on keeps its response. */
+void adams_take_waves(struct adams *s, const struct segment *e);
+
+/* Their push in a span of any length that begins with the segment. */
+void adams_push_for(const struct adams *s, double length, struct adams_push *push);
+
+#endif
