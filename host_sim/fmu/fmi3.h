@@ -128,4 +128,17 @@ FMI3_EXPORT fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 current, 
                                     fmi3Boolean *terminate, fmi3Boolean *early_return,
                                     fmi3Float64 *last_successful_time);
 
+/* ---- event mode ---- */
+
+FMI3_EXPORT fmi3Status FMI3(EnterEventMode)(fmi3Instance instance);
+FMI3_EXPORT fmi3Status FMI3(EnterStepMode)(fmi3Instance instance);
+FMI3_EXPORT fmi3Status FMI3(EvaluateDiscreteStates)(fmi3Instance instance);
+FMI3_EXPORT fmi3Status FMI3(UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *need_update,
+                                                  fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+                                                  fmi3Boolean *values_changed,
+                                                  fmi3Boolean *next_event_time_defined,
+                                                  fmi3Float64 *next_event_time);
+FMI3_EXPORT fmi3Status FMI3(GetClock)(fmi3Instance instance, const fmi3ValueReference reference[],
+                                      size_t n_references, fmi3Clock value[]);
+
 #endif

@@ -1,5 +1,6 @@
 /* fmu.c - an instance from instantiation to freeing, and the step between. */
 #include "host_sim/fmu/fmu.h"
+#include "host_sim/fmu/fmu_step.h"
 
 #include <float.h>
 #include <math.h>
@@ -39,6 +40,7 @@ static const char *mode_name(int mode)
     return mode == FMU_INSTANTIATED     ? "instantiated, not initialized"
            : mode == FMU_INITIALIZATION ? "in initialization mode"
            : mode == FMU_STEP           ? "in step mode"
+           : mode == FMU_EVENT          ? "in event mode"
                                         : "terminated";
 }
 
@@ -52,6 +54,14 @@ struct fmu *fmu_begin(fmi3Instance instance, const char *function, int modes)
 }
 
 /* ---- instances ---- */
+
+static bool take_memory(struct fmu *f)
+{
+    f->begin = malloc(sizeof *f->begin);
+    if (!f->begin)
+        (void)fmu_fail(f, "out of memory");
+    return f->begin;
+}
 
 /* The scene's text out of the FMU's resources; NULL, and why. */
 static char *read_scene(const char *resources, char *why, size_t size)
@@ -112,19 +122,20 @@ fmi3Instance FMI3(InstantiateCoSimulation)(fmi3String name, fmi3String token, fm
 {
     char why[PATH_SIZE + CONTACTPLANT_TEXT];
     struct fmu *f = calloc(1, sizeof *f);
-    (void)name, (void)visible, (void)logging, (void)early_return, (void)intermediate, (void)update;
+    (void)name, (void)visible, (void)logging, (void)intermediate, (void)update;
     if (!f) {
         say(log, environment, "out of memory");
         return NULL;
     }
     f->environment = environment;
     f->log = log;
+    f->event_mode = event_mode;
     f->scene = read_scene(resources, why, sizeof why);
     if (!f->scene)
         (void)fmu_fail(f, "%s", why);
-    else if (event_mode || n_intermediate > 0)
-        (void)fmu_fail(f, "this FMU has no event mode and no intermediate variables: ask for neither");
-    else if (is_token(f, token) && fmu_open(f))
+    else if (n_intermediate > 0)
+        (void)fmu_fail(f, "this FMU has no intermediate variables: ask for none");
+    else if (is_token(f, token) && fmu_open(f) && (!event_mode || !early_return || take_memory(f)))
         return f;
     FMI3(FreeInstance)(f);
     return NULL;
@@ -133,8 +144,10 @@ fmi3Instance FMI3(InstantiateCoSimulation)(fmi3String name, fmi3String token, fm
 void FMI3(FreeInstance)(fmi3Instance instance)
 {
     struct fmu *f = instance;
-    if (f)
+    if (f) {
         free(f->scene);
+        free(f->begin);
+    }
     free(f);
 }
 
@@ -176,12 +189,57 @@ static fmi3Status go_to(fmi3Instance instance, const char *function, int from, e
 
 fmi3Status FMI3(ExitInitializationMode)(fmi3Instance instance)
 {
-    return go_to(instance, "fmi3ExitInitializationMode", FMU_INITIALIZATION, FMU_STEP);
+    const struct fmu *f = instance;
+    return go_to(instance, "fmi3ExitInitializationMode", FMU_INITIALIZATION,
+                 f && f->event_mode ? FMU_EVENT : FMU_STEP);
 }
 
 fmi3Status FMI3(Terminate)(fmi3Instance instance)
 {
-    return go_to(instance, "fmi3Terminate", FMU_STEP, FMU_TERMINATED);
+    return go_to(instance, "fmi3Terminate", FMU_RUNS, FMU_TERMINATED);
+}
+
+fmi3Status FMI3(EnterEventMode)(fmi3Instance instance)
+{
+    struct fmu *f = fmu_begin(instance, "fmi3EnterEventMode", FMU_STEP);
+    if (!f)
+        return fmi3Error;
+    if (!f->event_mode)
+        return fmu_fail(f, "fmi3EnterEventMode: instantiate with eventModeUsed to have an event mode");
+    f->run.mode = FMU_EVENT;
+    return fmi3OK;
+}
+
+fmi3Status FMI3(EnterStepMode)(fmi3Instance instance)
+{
+    struct fmu *f = fmu_begin(instance, "fmi3EnterStepMode", FMU_EVENT);
+    if (!f)
+        return fmi3Error;
+    f->run.mode = FMU_STEP;
+    f->run.contact = false;
+    return fmi3OK;
+}
+
+fmi3Status FMI3(EvaluateDiscreteStates)(fmi3Instance instance)
+{
+    return fmu_begin(instance, "fmi3EvaluateDiscreteStates", FMU_EVENT) ? fmi3OK : fmi3Error;
+}
+
+/* Whatever is set acts at once: one iteration is enough. */
+fmi3Status FMI3(UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *need_update, fmi3Boolean *terminate,
+                                      fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
+                                      fmi3Boolean *next_event_time_defined, fmi3Float64 *next_event_time)
+{
+    struct fmu *f = fmu_begin(instance, "fmi3UpdateDiscreteStates", FMU_EVENT);
+    if (!f)
+        return fmi3Error;
+    if (!need_update || !terminate || !nominals_changed || !values_changed || !next_event_time_defined ||
+        !next_event_time)
+        return fmu_fail(f, "fmi3UpdateDiscreteStates: an argument for results is NULL");
+    *need_update = *terminate = *nominals_changed = *values_changed = *next_event_time_defined = false;
+    *next_event_time = 0.0;
+    f->run.contact = false; /* the clock has ticked */
+    return fmi3OK;
 }
 
 /* ---- the step ---- */
@@ -204,6 +262,17 @@ static const char *refuse_step(const struct fmu *f, double current, double step)
     return NULL;
 }
 
+static int advance(struct fmu *f, struct fmu_step *s)
+{
+    if (f->event_mode) {
+        int code = fmu_step(f->plant, f->begin, s);
+        f->run.contact = s->touched;
+        return code;
+    }
+    s->reached_s = s->to_s;
+    return contactplant_advance_to(f->plant, s->to_s);
+}
+
 fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 current, fmi3Float64 step,
                         fmi3Boolean no_set_state_before, fmi3Boolean *event_handling_needed,
                         fmi3Boolean *terminate, fmi3Boolean *early_return, fmi3Float64 *last_successful_time)
@@ -220,12 +289,15 @@ fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 current, fmi3Float64 
     if (why)
         return fmu_fail(f, "step from %.17g s by %.17g s, the instance is at %.17g s: %s", current, step,
                         f->run.last_s, why);
-    int code = contactplant_advance_to(f->plant, current + step - f->run.start_s);
+    struct fmu_step s = {.to_s = current + step - f->run.start_s};
+    int code = advance(f, &s);
     if (code == CONTACTPLANT_OK)
-        f->run.last_s = current + step;
+        f->run.last_s = s.reached_s < s.to_s ? f->run.start_s + s.reached_s : current + step;
     else if (code == CONTACTPLANT_DIVERGED)
         f->run.last_s = f->run.start_s + contactplant_time(f->plant);
     *last_successful_time = f->run.last_s;
+    *early_return = code == CONTACTPLANT_OK && s.reached_s < s.to_s;
+    *event_handling_needed = f->run.contact;
     return code == CONTACTPLANT_OK ? fmi3OK : fmu_fail(f, "%s", contactplant_error(f->plant));
 }
 
@@ -284,6 +356,8 @@ fmi3Status FMI3(SetFMUState)(fmi3Instance instance, fmi3FMUState state)
         return fmi3Error;
     if (!h || h->magic != state_magic)
         return fmu_fail(f, "fmi3SetFMUState: this is no state of an instance; fmi3GetFMUState gives one");
+    if (h->run.mode == FMU_EVENT && !f->event_mode)
+        return fmu_fail(f, "fmi3SetFMUState: this state is in event mode, which this instance has not");
     if (contactplant_restore(f->plant, h + 1, (size_t)h->size - sizeof *h) != CONTACTPLANT_OK)
         return fmu_fail(f, "%s", contactplant_error(f->plant));
     f->run = h->run;

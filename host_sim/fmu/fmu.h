@@ -12,15 +12,18 @@ enum fmu_mode {
     FMU_INITIALIZATION = 2,
     FMU_STEP = 4,
     FMU_TERMINATED = 8,
+    FMU_EVENT = 16,
     FMU_BEFORE = FMU_INSTANTIATED | FMU_INITIALIZATION,
-    FMU_ANY = FMU_BEFORE | FMU_STEP | FMU_TERMINATED
+    FMU_RUNS = FMU_STEP | FMU_EVENT,
+    FMU_ANY = FMU_BEFORE | FMU_RUNS | FMU_TERMINATED
 };
 
 /* An instance knows this beside its plant. */
 struct fmu_run {
     int32_t mode;
-    int32_t stops;  /* stop_s counts */
-    double start_s; /* the importer's time where plant time is 0 */
+    int16_t stops;   /* stop_s counts */
+    int16_t contact; /* the clock of this name ticks now */
+    double start_s;  /* the importer's time where plant time is 0 */
     double stop_s, last_s;
     double sample[MODEL_INPUTS]; /* as they were set */
     double drive[MODEL_INPUTS][FMU_DRIVE_FIELDS];
@@ -30,6 +33,8 @@ struct fmu {
     struct contactplant *plant;
     struct fmu_run run;
     char *scene; /* its text */
+    bool event_mode;
+    struct contactplant *begin; /* a copy of the plant where a step began; NULL: no step ends early */
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
     union contactplant_memory memory;
@@ -40,6 +45,9 @@ struct fmu *fmu_begin(fmi3Instance instance, const char *function, int modes);
 
 /* Says why in the log; fmi3Error. */
 fmi3Status fmu_fail(const struct fmu *f, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The variable of this reference, which has this type; false after a line in the log. */
+bool fmu_find(struct fmu *f, uint32_t reference, enum fmu_type type, struct fmu_variable *v);
 
 /* The plant as its scene begins, the run as it is after instantiation. */
 bool fmu_open(struct fmu *f);

@@ -1,5 +1,5 @@
 # fmu.mk - what contactplant fmu packs beside the scene: a binary that any scene fits, and its sources. No client and no bus.
-FMU_OWN := host_sim/fmu/fmu.c $(addprefix host_sim/fmu/fmu_,values.c refuse.c variables.c)
+FMU_OWN := host_sim/fmu/fmu.c $(addprefix host_sim/fmu/fmu_,values.c step.c refuse.c variables.c)
 FMU_SRC := $(filter-out $(LIB_CLIENT) hal/link/%,$(LIB_SRC)) $(FMU_OWN)
 FMU_OWN_OBJ := $(FMU_OWN:host_sim/fmu/%.c=$(BUILD)/fmu_parts/%.o)
 FMU_OBJ  = $(call obj,$(filter-out $(FMU_OWN),$(FMU_SRC))) $(FMU_OWN_OBJ)

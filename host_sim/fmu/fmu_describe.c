@@ -61,15 +61,13 @@ static void put_units(FILE *out, struct contactplant *p)
 /* ---- variables ---- */
 
 static const struct {
-    const char *type, *causality, *variability;
+    const char *causality, *variability;
     bool starts; /* has a start value: it can be set */
-} kind_table[FMU_KINDS] = {[FMU_TIME] = {"Float64", "independent", "continuous", false},
-                           [FMU_INPUT] = {"Float64", "input", "discrete", true},
-                           [FMU_OUTPUT] = {"Float64", "output", "continuous", false},
-                           [FMU_SWITCHES] = {"UInt64", "output", "discrete", false},
-                           [FMU_RESIDUAL] = {"Float64", "output", "continuous", false},
-                           [FMU_PARAMETER] = {"Float64", "parameter", "tunable", true},
-                           [FMU_DRIVE] = {"Float64", "parameter", "tunable", true}};
+} kind_table[FMU_KINDS] = {
+    [FMU_TIME] = {"independent", "continuous", false}, [FMU_INPUT] = {"input", "discrete", true},
+    [FMU_OUTPUT] = {"output", "continuous", false},    [FMU_SWITCHES] = {"output", "discrete", false},
+    [FMU_RESIDUAL] = {"output", "continuous", false},  [FMU_PARAMETER] = {"parameter", "tunable", true},
+    [FMU_DRIVE] = {"parameter", "tunable", true},      [FMU_CONTACT] = {"output", "discrete", false}};
 
 static double start_of(struct contactplant *p, const struct fmu_variable *v)
 {
@@ -80,11 +78,13 @@ static double start_of(struct contactplant *p, const struct fmu_variable *v)
 
 static void put_variable(FILE *out, struct contactplant *p, const struct fmu_variable *v)
 {
-    xml_put(out, "    <%r name='%s' valueReference='%u' description='%s'", kind_table[v->kind].type, v->name,
+    xml_put(out, "    <%r name='%s' valueReference='%u' description='%s'", fmu_type_name[v->type], v->name,
             (unsigned)v->reference, v->meaning);
     xml_put(out, " causality='%s' variability='%s'", kind_table[v->kind].causality,
             kind_table[v->kind].variability);
-    if (v->kind != FMU_SWITCHES)
+    if (v->type == FMU_CLOCK)
+        xml_put(out, " intervalVariability='triggered'");
+    if (v->type == FMU_FLOAT64)
         xml_put(out, " unit='%s'", v->unit);
     if (isfinite(v->min))
         xml_put(out, " min='%n'", v->min);
@@ -104,7 +104,7 @@ static void put_variables(FILE *out, struct contactplant *p)
     xml_put(out, "  </ModelVariables>\n  <ModelStructure>\n");
     for (int unknown = 0; unknown < 2; unknown++)
         for (int i = 0; fmu_variable(p, i, &v); i++)
-            if (!strcmp(kind_table[v.kind].causality, "output"))
+            if (!strcmp(kind_table[v.kind].causality, "output") && !(unknown && v.type == FMU_CLOCK))
                 xml_put(out, "    <%r valueReference='%u'/>\n", unknown ? "InitialUnknown" : "Output",
                         (unsigned)v.reference);
     xml_put(out, "  </ModelStructure>\n");
@@ -124,7 +124,8 @@ void fmu_describe(FILE *out, struct contactplant *p, const char *name, const cha
     xml_put(out,
             " variableNamingConvention='structured'>\n  <CoSimulation modelIdentifier='contactplant'"
             " canHandleVariableCommunicationStepSize='true' fixedInternalStepSize='%n'"
-            " canGetAndSetFMUState='true' canSerializeFMUState='true'/>\n",
+            " canGetAndSetFMUState='true' canSerializeFMUState='true' mightReturnEarlyFromDoStep='true'"
+            " hasEventMode='true'/>\n",
             contactplant_tick_time(p));
     put_units(out, p);
     xml_put(out,

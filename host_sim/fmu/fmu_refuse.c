@@ -76,9 +76,8 @@ REFUSE(GetBinary, "no variable of this type", REFERENCES, size_t size[], fmi3Bin
 REFUSE(SetBinary, "no variable of this type", REFERENCES, const size_t size[], const fmi3Binary value[],
        size_t n_values)
 
-#define NO_CLOCK "no clocks"
-REFUSE(GetClock, NO_CLOCK, REFERENCES, fmi3Clock value[])
-REFUSE(SetClock, NO_CLOCK, REFERENCES, const fmi3Clock value[])
+REFUSE(SetClock, "no clock that can be set", REFERENCES, const fmi3Clock value[])
+#define NO_CLOCK "no clock with an interval"
 REFUSE(GetIntervalDecimal, NO_CLOCK, REFERENCES, fmi3Float64 interval[], fmi3IntervalQualifier qualifier[])
 REFUSE(GetIntervalFraction, NO_CLOCK, REFERENCES, fmi3UInt64 counter[], fmi3UInt64 resolution[],
        fmi3IntervalQualifier qualifier[])
@@ -88,15 +87,7 @@ REFUSE(SetIntervalDecimal, NO_CLOCK, REFERENCES, const fmi3Float64 interval[])
 REFUSE(SetIntervalFraction, NO_CLOCK, REFERENCES, const fmi3UInt64 counter[], const fmi3UInt64 resolution[])
 REFUSE(SetShiftDecimal, NO_CLOCK, REFERENCES, const fmi3Float64 shift[])
 REFUSE(SetShiftFraction, NO_CLOCK, REFERENCES, const fmi3UInt64 counter[], const fmi3UInt64 resolution[])
-REFUSE(ActivateModelPartition, NO_CLOCK, INSTANCE, fmi3ValueReference clock, fmi3Float64 time)
-
-#define NO_EVENT_MODE "no event mode"
-REFUSE(EnterEventMode, NO_EVENT_MODE, INSTANCE)
-REFUSE(EnterStepMode, NO_EVENT_MODE, INSTANCE)
-REFUSE(EvaluateDiscreteStates, NO_EVENT_MODE, INSTANCE)
-REFUSE(UpdateDiscreteStates, NO_EVENT_MODE, INSTANCE, fmi3Boolean *need_update, fmi3Boolean *terminate,
-       fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *next_event_time_defined,
-       fmi3Float64 *next_event_time)
+REFUSE(ActivateModelPartition, "no model partitions", INSTANCE, fmi3ValueReference clock, fmi3Float64 time)
 
 REFUSE(EnterConfigurationMode, "no structural parameters", INSTANCE)
 REFUSE(ExitConfigurationMode, "no structural parameters", INSTANCE)

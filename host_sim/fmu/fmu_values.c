@@ -58,14 +58,16 @@ static double value_of(struct fmu *f, const struct fmu_variable *v)
     }
 }
 
-static fmi3Status find(struct fmu *f, uint32_t reference, bool whole, struct fmu_variable *v)
+bool fmu_find(struct fmu *f, uint32_t reference, enum fmu_type type, struct fmu_variable *v)
 {
     if (!fmu_variable_find(f->plant, reference, v))
-        return fmu_fail(f, "no variable has the value reference %u", (unsigned)reference);
-    if ((v->kind == FMU_SWITCHES) != whole)
-        return fmu_fail(f, "%s is a %s: get it with fmi3Get%s", v->name, whole ? "Float64" : "UInt64",
-                        whole ? "Float64" : "UInt64");
-    return fmi3OK;
+        (void)fmu_fail(f, "no variable has the value reference %u", (unsigned)reference);
+    else if (v->type != type)
+        (void)fmu_fail(f, "%s is a %s: get it with fmi3Get%s", v->name, fmu_type_name[v->type],
+                       fmu_type_name[v->type]);
+    else
+        return true;
+    return false;
 }
 
 fmi3Status FMI3(GetFloat64)(fmi3Instance instance, const fmi3ValueReference reference[], size_t n_references,
@@ -76,7 +78,7 @@ fmi3Status FMI3(GetFloat64)(fmi3Instance instance, const fmi3ValueReference refe
     if (!f || check_counts(f, reference, n_references, value, n_values) != fmi3OK)
         return fmi3Error;
     for (size_t i = 0; i < n_values; i++) {
-        if (find(f, reference[i], false, &v) != fmi3OK)
+        if (!fmu_find(f, reference[i], FMU_FLOAT64, &v))
             return fmi3Error;
         value[i] = value_of(f, &v);
     }
@@ -91,9 +93,26 @@ fmi3Status FMI3(GetUInt64)(fmi3Instance instance, const fmi3ValueReference refer
     if (!f || check_counts(f, reference, n_references, value, n_values) != fmi3OK)
         return fmi3Error;
     for (size_t i = 0; i < n_values; i++) {
-        if (find(f, reference[i], true, &v) != fmi3OK)
+        if (!fmu_find(f, reference[i], FMU_UINT64, &v))
             return fmi3Error;
         value[i] = contactplant_counter(f->plant, CONTACTPLANT_SWITCHES);
+    }
+    return fmi3OK;
+}
+
+fmi3Status FMI3(GetClock)(fmi3Instance instance, const fmi3ValueReference reference[], size_t n_references,
+                          fmi3Clock value[])
+{
+    struct fmu *f = fmu_begin(instance, "fmi3GetClock", FMU_EVENT);
+    struct fmu_variable v;
+    if (!f)
+        return fmi3Error;
+    if (n_references > 0 && (!reference || !value))
+        return fmu_fail(f, "references or values are NULL");
+    for (size_t i = 0; i < n_references; i++) {
+        if (!fmu_find(f, reference[i], FMU_CLOCK, &v))
+            return fmi3Error;
+        value[i] = f->run.contact;
     }
     return fmi3OK;
 }
@@ -232,7 +251,7 @@ static void give_back(struct contactplant *p, const struct before *b)
 fmi3Status FMI3(SetFloat64)(fmi3Instance instance, const fmi3ValueReference reference[], size_t n_references,
                             const fmi3Float64 value[], size_t n_values)
 {
-    struct fmu *f = fmu_begin(instance, "fmi3SetFloat64", FMU_BEFORE | FMU_STEP);
+    struct fmu *f = fmu_begin(instance, "fmi3SetFloat64", FMU_BEFORE | FMU_RUNS);
     struct wish w;
     struct before b;
     if (!f || check_counts(f, reference, n_references, value, n_values) != fmi3OK ||

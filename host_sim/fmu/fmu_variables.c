@@ -19,6 +19,9 @@ static const struct {
     [FMU_PHASE] = {"phase", "rad", "phase of the harmonic drive", -1e6, 1e6},
     [FMU_RAMP] = {"ramp", "s", "time that a later change of the harmonic drive takes", 0.0, 1e4}};
 
+const char *const fmu_type_name[] = {
+    [FMU_FLOAT64] = "Float64", [FMU_UINT64] = "UInt64", [FMU_CLOCK] = "Clock"};
+
 /* How many variables there are of a kind. */
 static int count(struct contactplant *p, enum fmu_kind kind)
 {
@@ -68,6 +71,9 @@ static void of_instance(struct fmu_variable *v, const char *name, const char *un
 static void fill(struct contactplant *p, enum fmu_kind kind, int slot, struct fmu_variable *v)
 {
     *v = (struct fmu_variable){.kind = kind,
+                               .type = kind == FMU_SWITCHES  ? FMU_UINT64
+                                       : kind == FMU_CONTACT ? FMU_CLOCK
+                                                             : FMU_FLOAT64,
                                .index = kind == FMU_DRIVE ? slot / FMU_DRIVE_FIELDS : slot,
                                .field = kind == FMU_DRIVE ? slot % FMU_DRIVE_FIELDS : 0,
                                .reference = (uint32_t)kind * FMU_REFERENCES + (uint32_t)slot,
@@ -88,6 +94,9 @@ static void fill(struct contactplant *p, enum fmu_kind kind, int slot, struct fm
         break;
     case FMU_SWITCHES:
         of_instance(v, "contact_switches", "1", "contacts made or broken since the start");
+        break;
+    case FMU_CONTACT:
+        of_instance(v, "contact", "1", "ticks where a contact closes, in event mode");
         break;
     case FMU_RESIDUAL:
         of_instance(v, "energy_residual", "J", "what the energy balance cannot account for");

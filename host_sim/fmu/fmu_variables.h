@@ -9,12 +9,17 @@ enum fmu_kind {
     FMU_TIME,
     FMU_INPUT, /* a sampled command, as contactplant_set_sample takes it */
     FMU_OUTPUT,
-    FMU_SWITCHES, /* contact switches so far: the one whole number */
+    FMU_SWITCHES, /* contact switches so far, a whole number */
     FMU_RESIDUAL, /* error of the energy balance */
     FMU_PARAMETER,
-    FMU_DRIVE, /* amplitude, frequency, phase and ramp of each input's harmonic drive */
+    FMU_DRIVE,   /* amplitude, frequency, phase and ramp of each input's harmonic drive */
+    FMU_CONTACT, /* the clock that ticks at a touchdown */
     FMU_KINDS
 };
+
+/* The types that variables have here. */
+enum fmu_type { FMU_FLOAT64, FMU_UINT64, FMU_CLOCK };
+extern const char *const fmu_type_name[];
 
 /* Fields of a drive, in the order of their references. */
 enum { FMU_AMPLITUDE, FMU_FREQUENCY, FMU_PHASE, FMU_RAMP, FMU_DRIVE_FIELDS };
@@ -26,6 +31,7 @@ enum { FMU_NAME = 64, FMU_MEANING = 256, FMU_TOKEN = 40, FMU_REFERENCES = 256 };
 
 struct fmu_variable {
     enum fmu_kind kind;
+    enum fmu_type type;
     int index;           /* that input, output or parameter */
     int field;           /* a drive's */
     uint32_t reference;  /* FMU_REFERENCES for each kind */

@@ -147,6 +147,10 @@ const struct importer *importer(void)
     LOAD(SerializeFMUState);
     LOAD(DeserializeFMUState);
     LOAD(DoStep);
+    LOAD(EnterEventMode);
+    LOAD(EnterStepMode);
+    LOAD(UpdateDiscreteStates);
+    LOAD(GetClock);
     LOAD(SetDebugLogging);
     read_description(&m, folder);
     return &m;
@@ -172,15 +176,25 @@ static void note(fmi3InstanceEnvironment context, fmi3Status status, fmi3String 
     snprintf(log->text, sizeof log->text, "%s", text);
 }
 
-fmi3Instance importer_instantiate(struct log *log)
+static fmi3Instance instantiate(struct log *log, bool event_mode, bool early_return)
 {
     const struct importer *m = importer();
     log->n = 0;
-    fmi3Instance instance = m->InstantiateCoSimulation("plant", m->token, m->resources, false, false, false,
-                                                       false, NULL, 0, log, note, NULL);
+    fmi3Instance instance = m->InstantiateCoSimulation("plant", m->token, m->resources, false, false,
+                                                       event_mode, early_return, NULL, 0, log, note, NULL);
     if (!instance)
         end("FAIL  no instance: %s", log->text);
     return instance;
+}
+
+fmi3Instance importer_instantiate(struct log *log)
+{
+    return instantiate(log, false, false);
+}
+
+fmi3Instance importer_instantiate_events(struct log *log, bool early_return)
+{
+    return instantiate(log, true, early_return);
 }
 
 fmi3Instance importer_begin(struct log *log)

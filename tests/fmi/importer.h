@@ -49,6 +49,10 @@ struct importer {
     FUNCTION(SerializeFMUState);
     FUNCTION(DeserializeFMUState);
     FUNCTION(DoStep);
+    FUNCTION(EnterEventMode);
+    FUNCTION(EnterStepMode);
+    FUNCTION(UpdateDiscreteStates);
+    FUNCTION(GetClock);
     FUNCTION(SetDebugLogging);
 };
 
@@ -61,8 +65,9 @@ void *importer_function(const char *name);
 /* The variable of this name; ends the program when there is none. */
 const struct variable *importer_variable(const char *name);
 
-/* An instance, and one in step mode from time 0. */
+/* An instance, one in event mode, and one in step mode from time 0. */
 fmi3Instance importer_instantiate(struct log *log);
+fmi3Instance importer_instantiate_events(struct log *log, bool early_return);
 fmi3Instance importer_begin(struct log *log);
 
 /* One value by its name. */

@@ -42,7 +42,7 @@ equal "modelDescription.xml" "$(valid model_description "$rig/modelDescription.x
 equal "buildDescription.xml" "$(valid build_description "$rig/sources/buildDescription.xml")" ""
 for mistake in 's/fmiVersion="3.0"/fmiVersion="2.0"/' 's/ valueReference="256"//' 's/valueReference="257"/valueReference="256"/' \
     's/name="fast_force"/name="force"/' 's/unit="N"/unit="lbf"/' '/<Output valueReference="512"/s/512/599/' 's/start="6.5"/start="heavy"/' \
-    's/causality="input"/causality="inlet"/' '/<CoSimulation/d' 's/ instantiationToken="[^"]*"//'; do
+    's/causality="input"/causality="inlet"/' 's/intervalVariability="triggered"/intervalVariability="now and then"/' 's/hasEventMode="true"/hasEventMode="yes"/' '/<CoSimulation/d' 's/ instantiationToken="[^"]*"//'; do
     sed "$mistake" "$rig/modelDescription.xml" >"$here/wrong.xml"
     [ -n "$(valid model_description "$here/wrong.xml")" ]
     verdict $? "the schema does not take $mistake"

@@ -172,7 +172,7 @@ TEST(rig_instance_refused)
     refuse_instance(m->token, "/nowhere/", false, 0, "cannot read /nowhere/scene.ini");
     refuse_instance(m->token, "", false, 0, "path of the resources is missing");
     refuse_instance(m->token, NULL, false, 0, "path of the resources is missing");
-    refuse_instance(m->token, m->resources, true, 0, "no event mode");
+    refuse_instance(m->token, m->resources, true, 1, "no intermediate variables");
     refuse_instance(m->token, m->resources, false, 1, "no intermediate variables");
     __typeof__(&FMI3(InstantiateModelExchange)) exchange =
         (__typeof__(exchange))importer_function("fmi3InstantiateModelExchange");
@@ -279,7 +279,7 @@ static void any_call(fmi3Instance instance, fmi3FMUState *state, double *time, u
     const struct importer *m = importer();
     fmi3ValueReference reference[3];
     double value[3];
-    bool flag;
+    bool flag, clock[3];
     size_t n = 1 + dice(seed) % 3;
     for (int i = 0; i < 3; i++) {
         uint64_t k = dice(seed) % (uint64_t)(m->n_variables + 2);
@@ -313,8 +313,18 @@ static void any_call(fmi3Instance instance, fmi3FMUState *state, double *time, u
                         &value[2]);
         break;
     case 8:
+        (void)m->EnterEventMode(instance);
+        break;
     case 9:
+        (void)m->EnterStepMode(instance);
+        (void)m->GetClock(instance, reference, n, clock);
+        break;
     case 10:
+        (void)m->UpdateDiscreteStates(instance, &flag, &flag, &flag, &flag, &flag, value);
+        break;
+    case 11:
+    case 12:
+    case 13:
         (void)m->DoStep(instance, importer_get(instance, "time"), 1e-5 * (double)(1 + dice(seed) % 400), true,
                         &flag, &flag, &flag, time);
         break;
@@ -325,15 +335,15 @@ static void any_call(fmi3Instance instance, fmi3FMUState *state, double *time, u
 }
 
 /* No NaN and no crash comes of it, and a reset leaves nothing of it. */
-TEST(rig_any_call)
+static void any_calls(bool event_mode, bool early_return)
 {
     const struct importer *m = importer();
     struct log log = {.n = 0};
     uint64_t seed = 0x9E3779B97F4A7C15u;
     double time = 0.0, value[IMPORTER_OUTPUTS];
     fmi3FMUState state = NULL;
-    fmi3Instance instance = m->InstantiateCoSimulation("plant", m->token, m->resources, false, false, false,
-                                                       false, NULL, 0, &log, note, NULL);
+    fmi3Instance instance = m->InstantiateCoSimulation("plant", m->token, m->resources, false, false,
+                                                       event_mode, early_return, NULL, 0, &log, note, NULL);
     check_true("an instance", instance != NULL);
     uint64_t fresh = importer_fingerprint(instance);
     bool finite = true;
@@ -350,4 +360,11 @@ TEST(rig_any_call)
     check_hex("as if new", importer_fingerprint(instance), fresh);
     check_int("free", m->FreeFMUState(instance, &state), fmi3OK);
     m->FreeInstance(instance);
+}
+
+TEST(rig_any_call)
+{
+    any_calls(false, false);
+    any_calls(true, false);
+    any_calls(true, true);
 }

@@ -54,7 +54,7 @@ TEST(scene_description)
     int inputs = contactplant_count(p, CONTACTPLANT_INPUT);
     check_int("inputs", n[0], inputs);
     check_int("parameters", n[1], 4 * inputs + contactplant_count(p, CONTACTPLANT_PARAMETER));
-    check_int("outputs", n[2], 2 + contactplant_count(p, CONTACTPLANT_OUTPUT));
+    check_int("outputs", n[2], 3 + contactplant_count(p, CONTACTPLANT_OUTPUT));
     m->FreeInstance(instance);
 }
 
