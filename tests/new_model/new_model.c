@@ -157,8 +157,7 @@ static void settle(const struct method *method, double tolerance)
 {
     start(method);
     double unit = bus.app.plant.scale.force_N, F = 10.0;
-    bus_set(&bus, DUFFING_DAMPING, 50.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, DUFFING_DAMPING, 50.0);
     bus_drive(&bus, DUFFING_FORCE, F * unit, 0.0, 0.0, 0.1);
     bus_fire(&bus, 1u << DUFFING_FORCE, false, bus.app.plant.now.tick + 64, 0);
     bus_run(&bus, 3000);

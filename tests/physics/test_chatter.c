@@ -85,7 +85,7 @@ static void check_chatter(double c, double middle, int at_least)
     chatter_paper[SHAFT_C2] = middle * c;
     chatter_paper[paper_index(&shaft_bearing, "freq_hz")] = 5.0;
     chatter_paper[paper_index(&shaft_bearing, "p2")] = 25.0;
-    trajectory_start(&pl, &shaft_bearing, &exact, 0.0, scratch, chatter_paper, MICROSECONDS * 1e-6, start_at);
+    paper_start_by(&pl, &shaft_bearing, &exact, 0.0, scratch, chatter_paper, MICROSECONDS * 1e-6, start_at);
     for (int i = 0; i < CHATTER_PERIODS * PER_PERIOD; i++) {
         int found[SHAFT_CONTACTS] = {0}, dense[SHAFT_CONTACTS] = {0};
         paper_now(&pl, x);

@@ -24,7 +24,7 @@ static void start_free(struct plant *pl, const struct method *method, double tol
     double paper[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
     paper[RIG_PAPER_XI] = 0.0;
-    trajectory_start(pl, &hertz_rig, method, tol, scratch, paper, h, (double[]){1.5 * eta - 1.5, 1.5 * rate});
+    paper_start_by(pl, &hertz_rig, method, tol, scratch, paper, h, (double[]){1.5 * eta - 1.5, 1.5 * rate});
 }
 
 static void tick(struct plant *pl)
@@ -54,7 +54,6 @@ static void check_free_energy(double eta_max, double away, double tol)
 {
     const double h = 0.2;
     struct plant pl;
-    char text[128];
     double period = free_period(eta_max), worst = 0.0, before;
     long double energy = free_energy(eta_max, 0.0L);
     start_free(&pl, &taylor, tol, h, eta_max, 0.0);
@@ -68,9 +67,9 @@ static void check_free_energy(double eta_max, double away, double tol)
         before = pl.x[1];
         tick(&pl);
     } while (!(before > 0.0 && pl.x[1] <= 0.0));
-    snprintf(text, sizeof text, "eta_max %.4g, grazing %+.0e, tol %.0e: worst energy error over the energy",
-             eta_max, away, tol);
-    check_below(text, worst / (double)(energy + 0.4L), 0.5 * tol * FREE_PERIODS);
+    check_below(check_name("eta_max %.4g, grazing %+.0e, tol %.0e: worst energy error over the energy",
+                           eta_max, away, tol),
+                worst / (double)(energy + 0.4L), 0.5 * tol * FREE_PERIODS);
     check_near("mean period over that by quadrature", time_of_top(&pl) / FREE_PERIODS / period, 1.0,
                0.05 * tol * FREE_PERIODS);
     check_int("budgets reached, roots not converged", pl.counts.work + pl.counts.budget + pl.counts.residual,
@@ -132,20 +131,18 @@ TEST(energy_contact)
 {
     for (int k = 0; k < 3; k++) {
         double v = pow(10.0, k);
-        char text[128];
         struct contact_error guard = bounce(&rk4, 0.0, 0.2, v), coarse = bounce(&rk4, 0.0, 0.05, v),
                              fine = bounce(&rk4, 0.0, 0.0125, v);
-        snprintf(text, sizeof text, "rk4, step 0.2, speed %g: energy lost or made in a contact", v);
-        check_below(text, guard.energy, 2e-3);
-        snprintf(text, sizeof text, "speed %g: order of the energy error", v);
-        check_near(text, log2(coarse.energy / fine.energy) / 2.0, 2.5, 0.3);
+        check_below(check_name("rk4, step 0.2, speed %g: energy lost or made in a contact", v), guard.energy,
+                    2e-3);
+        check_near(check_name("speed %g: order of the energy error", v),
+                   log2(coarse.energy / fine.energy) / 2.0, 2.5, 0.3);
         check_above("order of the contact time", log2(coarse.time / fine.time) / 2.0, 2.3);
         for (int i = 0; i < 4; i++) {
             double tol = i % 2 ? 1e-12 : 1e-9, h = i / 2 ? 0.05 : 0.2;
             struct contact_error c = bounce(&taylor, tol, h, v);
-            snprintf(text, sizeof text, "taylor, tol %.0e, step %g, speed %g: energy error over tol", tol, h,
-                     v);
-            check_below(text, c.energy / tol, 2.0);
+            check_below(check_name("taylor, tol %.0e, step %g, speed %g: energy error over tol", tol, h, v),
+                        c.energy / tol, 2.0);
             check_below("contact time over tol", c.time / tol, 1.0);
         }
     }
@@ -182,10 +179,9 @@ TEST(energy_contact_time)
     double longer = 0.0;
     for (int k = -2; k <= 4; k++) {
         double v = pow(10.0, k), exact_time = free_contact_time(v), before = longer;
-        char text[128];
         longer = exact_time * v / (2.943275 * pow(1.875 * v * v, 0.4)) - 1.0;
-        snprintf(text, sizeof text, "speed %g: contact time over the quadrature's, worst error", v);
-        check_below(text, bounce(&taylor, 1e-12, fmin(0.01 * exact_time, v), v).time, 5e-12);
+        check_below(check_name("speed %g: contact time over the quadrature's, worst error", v),
+                    bounce(&taylor, 1e-12, fmin(0.01 * exact_time, v), v).time, 5e-12);
         if (k > 1)
             check_near("preload makes it longer by v^{-6/5}", longer / before, pow(10.0, -1.2), 0.01);
     }

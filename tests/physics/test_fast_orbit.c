@@ -78,7 +78,6 @@ static double find_orbit(const struct fast_orbit *w, double *at)
 
 TEST(fast_orbit_floquet)
 {
-    char text[96];
     for (int i = 0; i < FAST_ORBITS; i++) {
         const struct fast_orbit *w = &fast_orbit[i];
         double at[2], m[2][2], c = 0.02;
@@ -87,9 +86,8 @@ TEST(fast_orbit_floquet)
         double det = m[0][0] * m[1][1] - m[0][1] * m[1][0], T = TWO_PI / w->omega;
         double angle = acos(0.5 * (m[0][0] + m[1][1]) / sqrt(det));
         check_near("loss in a period, by Liouville", log(det), -c * T, 1e-8);
-        snprintf(text, sizeof text, "sign %g, beta %g, r %g, W %g: frequency", w->sign, w->beta, w->r,
-                 w->omega);
-        check_near(text, angle / T, w->shifted, 1e-7);
+        check_near(check_name("sign %g, beta %g, r %g, W %g: frequency", w->sign, w->beta, w->r, w->omega),
+                   angle / T, w->shifted, 1e-7);
         check_near("  without modulation", sqrt(1.0 - w->sign * w->beta), w->free, 1e-8);
     }
 }

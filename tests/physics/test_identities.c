@@ -143,7 +143,7 @@ static void walk_start(struct walk *w, const struct model *m, const struct metho
     m->prepare(si, p, &scale);
     m->rest(p, x);
     m->paper_state(p, none, x, state);
-    trajectory_start(&w->plant, m, method, 1e-13, scratch, w->paper, s->period / WALK_TICKS, state);
+    paper_start_by(&w->plant, m, method, 1e-13, scratch, w->paper, s->period / WALK_TICKS, state);
     check_true("a finite motion", plant_run(&w->plant, (uint64_t)s->settle * WALK_TICKS));
 }
 
@@ -163,12 +163,10 @@ static void check_steady(struct walk *w, const struct steady *s)
 {
     struct walk again;
     double sum[MEANS] = {0};
-    char text[128];
     w->t = 0.0;
     w->n_switched = 0;
     again = *w;
-    snprintf(text, sizeof text, "%s: change of the state in a period", s->name);
-    check_below(text, unsteady(w, s->period), 1e-11);
+    check_below(check_name("%s: change of the state in a period", s->name), unsteady(w, s->period), 1e-11);
     check_above("contact switches in it", w->n_switched, s->switches);
     for (int i = 0; i <= w->n_switched; i++)
         integrate_parts(&again, i < w->n_switched ? w->switched[i] : s->period, s->period / PARTS, sum);

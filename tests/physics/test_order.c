@@ -79,11 +79,9 @@ TEST(order_tolerance)
         struct orbit_way w = {"taylor", NULL, &taylor, pow(10.0, -k)};
         uint64_t seed = 5;
         double worst = 0.0, step;
-        char text[80];
         for (int i = 0; i < DRAWS; i++)
             worst = fmax(worst, orbit_draw(ORBIT_HERTZ, &w, 40.0, &seed, &step));
-        snprintf(text, sizeof text, "taylor, tol 1e-%d: error over tolerance", k);
-        check_below(text, worst / w.tol, 3.0);
+        check_below(check_name("taylor, tol 1e-%d: error over tolerance", k), worst / w.tol, 3.0);
         check_below("and below that at the tolerance before", worst, before);
         before = worst;
     }

@@ -48,22 +48,20 @@ static double branch_doubling(const struct branch_point *point, int n, double fr
 static void check_critical(const struct branch *b, const struct branch_point *point, int n, char kind,
                            const double *at)
 {
-    char text[128];
     if (kind == 'd') {
-        snprintf(text, sizeof text, "%s: period doubling in a bracket", b->model->name);
-        check_near(text, branch_doubling(point, n, at[0], at[1]), 0.5 * (at[0] + at[1]),
-                   0.5 * (at[1] - at[0]));
+        check_near(check_name("%s: period doubling in a bracket", b->model->name),
+                   branch_doubling(point, n, at[0], at[1]), 0.5 * (at[0] + at[1]), 0.5 * (at[1] - at[0]));
         return;
     }
     double found = kind == 't'   ? branch_touch(b->model, point, n, at[0])
                    : kind == 'f' ? branch_fold(point, n, at[0])
                                  : branch_crossing(point, n, at[0]);
-    snprintf(text, sizeof text, "%s: %s at %g, relative", b->model->name,
-             kind == 't'   ? "contact lost"
-             : kind == 'f' ? "fold"
-                           : "crossing",
-             at[0]);
-    check_near(text, found / at[0], 1.0, kind == 't' ? 1e-3 : 1e-6);
+    check_near(check_name("%s: %s at %g, relative", b->model->name,
+                          kind == 't'   ? "contact lost"
+                          : kind == 'f' ? "fold"
+                                        : "crossing",
+                          at[0]),
+               found / at[0], 1.0, kind == 't' ? 1e-3 : 1e-6);
 }
 
 /* Differences of the map give folds to about 1e-7, the shaft with
@@ -124,7 +122,6 @@ TEST(papers_jumps)
         {&hertz_rig_cubic, RIG_PAPER_STIFFNESS, 4.0, 1.02, 0.93, {0.555465, 1.25309}, {2.06133, 0.143748}}};
     enum { POINTS = 32 };
     static struct seen seen[POINTS];
-    char text[96];
     for (size_t i = 0; i < sizeof jumps / sizeof *jumps; i++) {
         const struct jump *j = &jumps[i];
         for (int back = 0; back < 2; back++) {
@@ -146,9 +143,9 @@ TEST(papers_jumps)
             for (int k = 0; j->up == 0.70 && !back && k < 2; k++)
                 check_near(k ? "at 0.73" : "at 0.72", seen[5 + k].amplitude, k ? 1.578029 : 1.89551, 1e-3);
             int at = sweep_jump(&s, seen, back ? -1 : 1, 0.3);
-            snprintf(text, sizeof text, "%s, %s %g: jump %s within its bracket of 0.01", j->model->name,
-                     hertz_rig_paper[j->drive].name, j->amplitude, back ? "down" : "up");
-            check_near(text, at < 0 ? (double)NAN : sweep_at(&s, at), back ? j->down : j->up, 1e-9);
+            check_near(check_name("%s, %s %g: jump %s within its bracket of 0.01", j->model->name,
+                                  hertz_rig_paper[j->drive].name, j->amplitude, back ? "down" : "up"),
+                       at < 0 ? (double)NAN : sweep_at(&s, at), back ? j->down : j->up, 1e-9);
             for (int k = 0; at >= 0 && k < 2; k++) {
                 double expected = back ? j->fall[k] : j->rise[k];
                 check_near(k ? "  amplitude after it" : "  amplitude before it", seen[at + k].amplitude,
@@ -297,7 +294,6 @@ TEST(papers_survival)
     enum { STARTS = 20 };
     static const double hz[] = {670.0, 760.0};
     double paper[MODEL_PARAMETERS], share[2];
-    char text[80];
     attractor_paper(SHAFT_HARD, 36.0, paper);
     check_near("quiet motion from, Hz", survival_quiet(paper, 25.0, 60.0), 36.273, 1e-3);
     attractor_paper(SHAFT_HARD, 700.0, paper);
@@ -310,7 +306,7 @@ TEST(papers_survival)
             paper[SHAFT_KS3] = weak ? 0.0 : 8030.0;
             share[weak] = survival_share(paper, 3.0, STARTS);
         }
-        snprintf(text, sizeof text, "%g Hz: share that impacts after 3 s, more without support 3", hz[i]);
-        check_above(text, share[1] - share[0], 0.15);
+        check_above(check_name("%g Hz: share that impacts after 3 s, more without support 3", hz[i]),
+                    share[1] - share[0], 0.15);
     }
 }

@@ -41,12 +41,10 @@ TEST(papers_exponents)
                    {SHAFT_SOFT, 33.5, true, 8000, 27.28, 0.1},   {SHAFT_SOFT, 12.47, true, 2000, 5.257, 0.1},
                    {SHAFT_SOFT, 33.5, false, 4000, 6.5, 0.8},    {SHAFT_SOFT, 34.0, false, 4000, 7.1, 0.8},
                    {SHAFT_SOFT, 12.47, false, 2000, 0.0, 0.1},   {SHAFT_SOFT, 33.0, false, 4000, 0.0, 0.1}};
-    char text[96];
     for (size_t i = 0; i < sizeof motions / sizeof *motions; i++) {
-        snprintf(text, sizeof text, "%s contact, %g Hz%s: exponent, 1/s",
-                 motions[i].gap_stiffness > 1e7 ? "hard" : "soft", motions[i].hz,
-                 motions[i].unison ? " in unison" : "");
-        check_near(text,
+        check_near(check_name("%s contact, %g Hz%s: exponent, 1/s",
+                              motions[i].gap_stiffness > 1e7 ? "hard" : "soft", motions[i].hz,
+                              motions[i].unison ? " in unison" : ""),
                    exponent(motions[i].gap_stiffness, motions[i].hz, motions[i].unison, motions[i].periods),
                    motions[i].rate, motions[i].tolerance);
     }

@@ -124,7 +124,6 @@ TEST(papers_one_mode_integrated)
                   {SHAFT_HARD, 80.0, 4.0, 1, 0.2725, 8.0, 0.096},
                   {SHAFT_HARD, 700.0, 4.0, 3, 0.2568, 8.0, 0.095},
                   {SHAFT_HARD, 5.0, 139.0, 1, 0.2578, 264.0, 0.264}};
-    char text[96];
     for (size_t i = 0; i < sizeof motion / sizeof *motion; i++) {
         struct attractor a = {.period = -1};
         double paper[MODEL_PARAMETERS], high, low;
@@ -132,8 +131,8 @@ TEST(papers_one_mode_integrated)
         for (int k = 0; k < 3; k++)
             paper[SHAFT_C1 + k] = motion[i].c;
         struct one_mode m = one_mode_of(paper, motion[i].mode);
-        snprintf(text, sizeof text, "%g Hz, c = %g: the mode impacts", motion[i].hz, motion[i].c);
-        check_true(text, one_mode_settle(paper, motion[i].mode, 1.0, &a));
+        check_true(check_name("%g Hz, c = %g: the mode impacts", motion[i].hz, motion[i].c),
+                   one_mode_settle(paper, motion[i].mode, 1.0, &a));
         check_int("its period", a.period, 1);
         check_near("largest x1, mm", 1e3 * a.high[0], motion[i].high, 1e-4);
         check_near("switches in a period", a.switches, motion[i].switches, 0.0);

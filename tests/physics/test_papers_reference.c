@@ -239,7 +239,7 @@ TEST(papers_reference)
     enum { KINDS = sizeof kinds / sizeof *kinds };
     int lines[KINDS] = {0};
     FILE *file = fopen("tests/data/paper_reference.txt", "r");
-    char text[256], name[64];
+    char text[256];
     while (file && fgets(text, sizeof text, file)) {
         struct line l;
         if (!read_line(text, &l))
@@ -255,8 +255,7 @@ TEST(papers_reference)
     if (file)
         fclose(file);
     for (int i = 0; i < KINDS; i++) {
-        snprintf(name, sizeof name, "lines compared: %s", kinds[i].kind);
-        check_int(name, lines[i], kinds[i].lines);
+        check_int(check_name("lines compared: %s", kinds[i].kind), lines[i], kinds[i].lines);
     }
 }
 
@@ -272,7 +271,6 @@ TEST(papers_attractors)
                  {21.0, 0, 1.677, 0.03},   {45.0, 1, 0.148, 1e-3},  {45.0, 2, 0.413, 1e-3},
                  {80.0, 1, 0.042, 1e-3},   {80.0, 0, 0.43, 0.015}};
     enum { STARTS = 200 };
-    char text[96];
     for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
         double paper[MODEL_PARAMETERS], state[MODEL_STATES];
         struct attractor_shaft s;
@@ -289,9 +287,9 @@ TEST(papers_attractors)
                 good && a.period == known[k].period && fabs(high - known[k].high_mm) < known[k].tolerance;
         }
         attractor_close(&s);
-        snprintf(text, sizeof text, "%g Hz: a motion of period %d (0: none) with a largest x1 of %g mm",
-                 known[k].hz, known[k].period, known[k].high_mm);
-        check_int(text, found, 1);
+        check_int(check_name("%g Hz: a motion of period %d (0: none) with a largest x1 of %g mm", known[k].hz,
+                             known[k].period, known[k].high_mm),
+                  found, 1);
     }
 }
 

@@ -6,7 +6,6 @@
  * compiler's rounding times the growth (at most 4e5) of a chaotic case. */
 #include "tests/unit/test.h"
 
-#include <stdio.h>
 #include "models/hertz_rig.h"
 #include "tests/fixture/paper.h"
 #include "tests/fixture/trajectory.h"
@@ -20,26 +19,10 @@ static double steps_per_period(const struct trajectory *r)
 static void check_case(const struct trajectory *r)
 {
     struct trajectory_errors worst = trajectory_run(r, &rk4, 0.0, NULL, steps_per_period(r));
-    char text[128];
-    snprintf(text, sizeof text, "%s: worst state error over its column's maximum", r->name);
-    check_below(text, worst.state, 1e-6);
-    if (r->n_events_total >= 0) {
-        snprintf(text, sizeof text, "%s: contact switches", r->name);
-        check_int(text, worst.n_events, r->n_events_total);
-    }
-    if (r->n_events_total > 0) {
-        snprintf(text, sizeof text, "%s: worst switch instant error, model time", r->name);
-        check_below(text, worst.time, 1e-5);
-        snprintf(text, sizeof text, "%s: worst gap speed error at a switch, model units", r->name);
-        check_below(text, worst.speed, 1e-5);
-        check_int("switches of the wrong kind", worst.kinds, 0);
-    }
+    trajectory_check(r, "", &worst, 1e-6, 1e-5, 1e-5);
 }
 
 TEST(reference_trajectories)
 {
-    check_int("reference cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case),
-              10);
-    check_int("reference cases of the other models",
-              trajectory_each("tests/data/model_trajectories.txt", check_case), 18);
+    trajectory_all(check_case);
 }

@@ -2,6 +2,7 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -172,4 +173,16 @@ void check_error_at(struct check_place place, const char *name, const char *erro
     else
         printf("FAIL  %s: no error, expected one\n", name);
     count(place, error != NULL);
+}
+
+const char *check_name(const char *format, ...)
+{
+    static char name[4][200];
+    static unsigned n;
+    char *text = name[n++ % 4];
+    va_list values;
+    va_start(values, format);
+    (void)vsnprintf(text, sizeof name[0], format, values);
+    va_end(values);
+    return text;
 }

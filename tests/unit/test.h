@@ -58,6 +58,10 @@
 /* A call returned an error text. check_error(name, error) */
 #define check_error(...) check_error_at(CHECK_PLACE("check_error(" #__VA_ARGS__ ")"), __VA_ARGS__)
 
+/* A name made of values, as printf makes it: check_int(check_name("%s: rows", preset), n, 3). It holds until
+ * the fourth one after it. */
+__attribute__((format(printf, 1, 2))) const char *check_name(const char *format, ...);
+
 /* Where a check stands, and its text. */
 struct check_place {
     const char *file;

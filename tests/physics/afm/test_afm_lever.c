@@ -168,7 +168,7 @@ TEST(afm_contact_resonances)
 {
     const double ticks = 256.0, first = 1.87510406871196;
     double ratio, root[4], quality;
-    char line[200], text[80];
+    char line[200];
     FILE *file = fopen("tests/data/contact_resonances.txt", "r");
     int rows = 0;
     check_true("tests/data/contact_resonances.txt", file != NULL);
@@ -180,8 +180,8 @@ TEST(afm_contact_resonances)
         press(4, ratio, 0.0, ticks);
         for (int i = 0; i < 3; i++) {
             double want = pow(root[i] / first, 2.0);
-            snprintf(text, sizeof text, "k*/k %g: f%d/f1", ratio, i + 1);
-            check_near(text, resonance(want, ticks, &quality), want, want * (ratio <= 30.0 ? 1e-4 : 1e-3));
+            check_near(check_name("k*/k %g: f%d/f1", ratio, i + 1), resonance(want, ticks, &quality), want,
+                       want * (ratio <= 30.0 ? 1e-4 : 1e-3));
         }
         rows++;
     }

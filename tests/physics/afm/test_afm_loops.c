@@ -86,14 +86,13 @@ TEST(afm_z_loop_ultimate_gain)
     static const struct {
         double delay, gain, hz;
     } row[] = {{1e-4, 10090.5, 369.79}, {5e-4, 2086.34, 159.62}, {1e-3, 1081.42, 108.22}};
-    char text[96];
     for (int i = 0; i < 3; i++) {
         take_defaults();
         number[STATION_BANDWIDTH] = 20e3;
         start_station();
         double hz, rate = TWO_PI * number[STATION_BANDWIDTH], tau = station_ring_time(si);
-        snprintf(text, sizeof text, "delay %g ms: Ku, 1/s", row[i].delay * 1e3);
-        check_near(text, closed_form(tau, row[i].delay, 0.0, &hz), row[i].gain, 1e-4 * row[i].gain);
+        check_near(check_name("delay %g ms: Ku, 1/s", row[i].delay * 1e3),
+                   closed_form(tau, row[i].delay, 0.0, &hz), row[i].gain, 1e-4 * row[i].gain);
         check_near("  its frequency, Hz", hz, row[i].hz, 0.01);
         long delay = lround(row[i].delay / station.sample_s);
         double low = 0.3 * row[i].gain, high = 1.5 * row[i].gain,

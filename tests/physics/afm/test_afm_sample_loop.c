@@ -158,7 +158,6 @@ static void begin_sample(double hamaker, double setpoint)
 
 static void one_delay(const struct station *engaged, const struct linear_form *l, double delay_s)
 {
-    char text[120];
     double hz, closed = ultimate_gain(l, delay_s, &hz), low = 0.6 * closed, high = 1.6 * closed;
     for (int i = 0; i < 8; i++) {
         double gain = sqrt(low * high);
@@ -167,9 +166,9 @@ static void one_delay(const struct station *engaged, const struct linear_form *l
                                  lround(16.0 / hz / station.sample_s), 0.005e-9);
         *(grown > 1.0 ? &high : &low) = gain;
     }
-    snprintf(text, sizeof text, "delay %g ms: ultimate gain, 1/s, at %.0f Hz by the averaged equations",
-             delay_s * 1e3, hz);
-    check_near(text, sqrt(low * high), closed, 0.05 * closed);
+    check_near(check_name("delay %g ms: ultimate gain, 1/s, at %.0f Hz by the averaged equations",
+                          delay_s * 1e3, hz),
+               sqrt(low * high), closed, 0.05 * closed);
 }
 
 static void over_sample(double hamaker, double setpoint, bool attractive)

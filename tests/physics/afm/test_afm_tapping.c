@@ -53,13 +53,12 @@ static int orbits(void check(const struct tapping_case *c, const struct tapping_
 
 static void check_orbit(const struct tapping_case *c, const struct tapping_orbit *o)
 {
-    char text[120];
     double lag, peak;
     tap(c, o->ratio, o->amplitude, o->lag);
     settle(3000);
     double a = measure(40, &lag, &peak);
-    snprintf(text, sizeof text, "%s branch %d, height %.2f A0: amplitude, nm", o->name, o->branch, o->ratio);
-    check_near(text, a, o->amplitude, 1e-3 * c->free * 1e9);
+    check_near(check_name("%s branch %d, height %.2f A0: amplitude, nm", o->name, o->branch, o->ratio), a,
+               o->amplitude, 1e-3 * c->free * 1e9);
     check_near("  lag, degrees", lag, o->lag, 0.3);
     if (o->branch == 1)
         check_near("  peak force, nN", peak * 1e9, o->peak, 0.01 * o->peak);

@@ -39,14 +39,13 @@ TEST(afm_thermal_spectrum)
     } row[] = {{0.0, 4.63017488e-29},  {35e3, 8.23139915e-29},   {69.3e3, 1.15139634e-25},
                {70e3, 7.40827981e-24}, {70.7e3, 1.12824977e-25}, {140e3, 5.14462447e-30}};
     struct thermal t;
-    char text[80];
     thermal_begin(1.0, 5.0);
     check_int("listens", thermal_listen(&bench, 2.0, &t), 0);
     const struct spectrum *s = &t.spectrum;
     for (int i = 0; i < 6; i++) {
         double f = row[i].hz, wide = 1.0 / spectrum_frequency(s, 1), got = 0.0, mean = 0.0;
-        snprintf(text, sizeof text, "closed form at %g kHz over the number", f * 1e-3);
-        check_near(text, theorem(f) / row[i].density, 1.0, 1e-8);
+        check_near(check_name("closed form at %g kHz over the number", f * 1e-3), theorem(f) / row[i].density,
+                   1.0, 1e-8);
         /* bins of 40 Hz around it; the theorem is averaged over them, too */
         long first = lround(f * wide) - (f > 0.0 ? 2 : -3), n = f > 0.0 ? 5 : 60;
         for (long k = first; k < first + n; k++) {

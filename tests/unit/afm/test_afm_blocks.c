@@ -201,8 +201,7 @@ TEST(afm_blocks_snapshot)
     uint64_t end[2];
     blocks_defaults();
     blocks_start(BLOCK, 1e-3);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
     for (unsigned k = 0; k < BLOCK; k++)
         put(bus.app.plant.now.tick + k, 1000, 100 * (int)k);
     exchange();
@@ -300,8 +299,7 @@ TEST(afm_blocks_refused)
     exchange();
     check_int("32", heard, MAILBOX_CODES);
     check_int("  the last of them", z_sensor[MAILBOX_CODES - 1], 5);
-    bus_order(&bus, CONTROL_STOP);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_STOP);
     bus_next_session(&bus);
     bus_run(&bus, 1);
     put(bus.app.plant.now.tick, 0, 5);

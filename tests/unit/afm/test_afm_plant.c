@@ -278,28 +278,22 @@ TEST(afm_plant_takes_and_refuses_numbers)
     plant_defaults();
     start_usual();
     bus_run(&bus, 2);
-    bus_set(&bus, (unsigned)plant_number(STATION_SETPOINT), 30e-9);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, (unsigned)plant_number(STATION_SETPOINT), 30e-9);
     check_int("set point above the free amplitude", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
     check_near("  nothing has changed, nm", plant_station()->number[STATION_SETPOINT] * 1e9, 14.0, 1e-9);
-    bus_set(&bus, (unsigned)plant_number(STATION_SETPOINT), 13e-9);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, (unsigned)plant_number(STATION_SETPOINT), 13e-9);
     check_int("one below", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     check_near("  nm", plant_station()->number[STATION_SETPOINT] * 1e9, 13.0, 1e-6);
-    bus_set(&bus, (unsigned)plant_number(STATION_FREQUENCY), 400e3);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, (unsigned)plant_number(STATION_FREQUENCY), 400e3);
     check_int("a sample longer than a quarter of a period", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-    bus_set(&bus, AFM_PLANT_SCAN, 0.5);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, AFM_PLANT_SCAN, 0.5);
     check_int("half an image", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0);
     check_int("a stage before the force", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
     uint64_t tick = plant_station()->microscope.tick;
     bus_run(&bus, 1);
     check_is("the microscope has run on", plant_station()->microscope.tick, ==, tick + SAMPLES * 4);
-    bus_set(&bus, LEVER_Q, 200.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, LEVER_Q, 200.0);
     check_int("another lever", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     check_int("  begins anew", (int)plant_station()->microscope.tick, SAMPLES * 4);
 }
@@ -310,12 +304,10 @@ TEST(afm_plant_exactly_four_samples)
     plant_defaults();
     start_at(984, 1.0);
     bus_run(&bus, 2);
-    bus_set(&bus, (unsigned)plant_number(STATION_FREQUENCY), 242e3);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, (unsigned)plant_number(STATION_FREQUENCY), 242e3);
     check_int("exactly 4", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     check_near("the tone, Hz", plant_station()->frequency_Hz, 242e3, 0.0);
-    bus_set(&bus, (unsigned)plant_number(STATION_FREQUENCY), 242001.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, (unsigned)plant_number(STATION_FREQUENCY), 242001.0);
     check_int("fewer", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
 }
 
@@ -325,16 +317,12 @@ TEST(afm_plant_runs_on_without_stages)
     plant_defaults();
     start_usual();
     bus_run(&bus, 2);
-    bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
-    bus_run(&bus, 1);
-    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_SET_GAIN, 2.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
+    bus_set_now(&bus, SETTING_FIRST + SET_STAGE + STAGE_SET_GAIN, 2.0);
     check_int("ticks", (int)plant_station()->microscope.tick, 4 * SAMPLES * 4);
-    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
     check_int("a stage: anew", (int)plant_station()->microscope.tick, SAMPLES * 4);
-    bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 8.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_SENSOR_SEED, 8.0);
     check_int("its seed: anew", (int)plant_station()->microscope.tick, SAMPLES * 4);
     bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 0.0);
     bus_run(&bus, 2);
@@ -353,15 +341,13 @@ TEST(afm_plant_very_short_samples)
     start_at(1, 1e8);
     bus_run(&bus, 3);
     check_int("it runs", bus.app.faults, 0);
-    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
     check_int("a stage at its ticks", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     check_int("  and on", bus.app.faults, 0);
     start_at(4, 1e9);
     bus_run(&bus, 3);
     check_int("it runs", bus.app.faults, 0);
-    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + AFM_PLANT_Z);
     check_int("a stage at samples of 2.5e-13 s", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
     check_int("  and on", bus.app.faults, 0);
 }
@@ -383,8 +369,7 @@ TEST(afm_plant_begins_anew)
         start_usual();
         bus_run(&bus, 2);
         uint64_t before = plant_station()->microscope.tick;
-        bus_set(&bus, (unsigned)set[i].parameter, set[i].value);
-        bus_run(&bus, 1);
+        bus_set_now(&bus, (unsigned)set[i].parameter, set[i].value);
         check_int(set[i].what, bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
         check_int("  ticks of the lever since the begin", (int)plant_station()->microscope.tick,
                   (set[i].ticks > 1 ? (int)before : 0) + SAMPLES * 4);
@@ -435,8 +420,7 @@ TEST(afm_plant_keeps_the_place_over_a_change)
     bus_run(&bus, 60);
     double before = reading(AFM_PLANT_HEIGHT);
     check_near("the loop is down on the step, nm", before * 1e9, -65.8, 1.0);
-    bus_set(&bus, LEVER_Q, 390.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, LEVER_Q, 390.0);
     check_near("it goes on there, nm", (reading(AFM_PLANT_HEIGHT) - before) * 1e9, 0.0, 4.0);
     check_near("on the step, nm", plant_station()->out.surface_m * 1e9, 20.0, 1e-6);
     check_int("no crash", (int)reading(AFM_PLANT_CRASHES), 0);
@@ -577,8 +561,7 @@ TEST(afm_plant_stage_of_the_sensor)
     start_usual();
     bus_run(&bus, 40);
     check_near("amplitude, nm", heard_mean(0) * 1e9, 40.0, 2e-3);
-    bus_set(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + MODEL_INPUTS + AFM_PLANT_VELOCITY);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_STAGE + STAGE_AT, 1.0 + MODEL_INPUTS + AFM_PLANT_VELOCITY);
     check_int("none behind the velocity", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
 }
 
@@ -613,8 +596,7 @@ TEST(afm_plant_time_out_and_stop)
     check_int("no command without a session", bus_cause(&bus, WIRE_STREAM + AFM_PLANT_Z), CAUSE_SESSION);
     start_usual();
     bus_run(&bus, 3);
-    bus_order(&bus, CONTROL_STOP);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_STOP);
     check_int("stopped", bus.app.state, STATE_STOPPED);
     uint64_t tick = plant_station()->microscope.tick;
     bus_silent(&bus, 5);
@@ -634,12 +616,10 @@ TEST(afm_plant_reset)
         bus_stream(&bus, AFM_PLANT_Z, bus.app.plant.now.tick / SAMPLES + 2, -10e-9);
         bus_run(&bus, 10);
         hash[i] = station_hash(plant_station(), 1);
-        bus_order(&bus, CONTROL_STOP);
-        bus_run(&bus, 1);
+        bus_order_now(&bus, CONTROL_STOP);
         bus_next_session(&bus);
         bus_run(&bus, 1);
-        bus_order(&bus, CONTROL_RESET);
-        bus_run(&bus, 1);
+        bus_order_now(&bus, CONTROL_RESET);
         check_near("at its start, nm", reading(AFM_PLANT_HEIGHT), 0.0, 0.0);
         bus_order(&bus, CONTROL_START);
     }
@@ -684,8 +664,7 @@ TEST(afm_plant_scans)
     bus_set(&bus, AFM_PLANT_SCAN, 1.0);
     bus_run(&bus, 5);
     check_near("half a trace, nm", plant_station()->in.x_m * 1e9, 500.0, 1e-6);
-    bus_set(&bus, AFM_PLANT_SCAN, 0.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, AFM_PLANT_SCAN, 0.0);
     check_near("its end: as commanded, nm", plant_station()->in.x_m * 1e9, 300.0, 1e-4);
 }
 
@@ -719,8 +698,7 @@ TEST(afm_plant_approaches)
     si[plant_number(STATION_SETPOINT)] = 2e-9;
     start_usual();
     bus_run(&bus, 2);
-    bus_set(&bus, AFM_PLANT_RAMP_DWELL, 2e-3);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, AFM_PLANT_RAMP_DWELL, 2e-3);
     bus_set(&bus, AFM_PLANT_RAMP_SPEED, 2e-6);
     for (int i = 0; i < 60; i++) {
         bus_run(&bus, 1);
@@ -730,12 +708,10 @@ TEST(afm_plant_approaches)
     check_near("turns where the lever has bent, nm", lowest * 1e9, -32.80, 0.02);
     check_near("and comes back, nm", reading(AFM_PLANT_HEIGHT) * 1e9, 0.0, 1e-9);
     check_int("no crash", (int)reading(AFM_PLANT_CRASHES), 0);
-    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
     bus_set(&bus, AFM_PLANT_RAMP_SPEED, 1e-6);
     bus_run(&bus, 10);
-    bus_set(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, AFM_PLANT_RAMP_SPEED, 0.0);
     check_near("turned back on the way down, nm", reading(AFM_PLANT_HEIGHT) * 1e9, -9.0, 2e-3);
 }
 

@@ -89,8 +89,7 @@ TEST(app_bound_switches)
 
 TEST(app_bound_method)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 2);
     n_calls = n_through = 0;
     run_and_check(tired, &bus.app.plant.counts.work, DIAG_METHOD_BUDGET);

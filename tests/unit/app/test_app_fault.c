@@ -12,8 +12,7 @@ static struct bus bus;
 
 static void fault_start(double force_N)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_drive(&bus, RIG_FORCE, force_N, 215.0, 0.0, 0.0);
     bus_fire(&bus, 1, false, BUS_TICKS, 0);
     bus_run(&bus, 10);
@@ -49,8 +48,7 @@ static void check_fault_and_reset(int telemetry_is_finite)
     count_not_finite(&floats, &not_available);
     if (telemetry_is_finite)
         check_int("values of the telemetry that are not finite", floats + not_available, 0);
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_START);
     check_int("START in fault", bus_cause(&bus, WIRE_CONTROL), CAUSE_STATE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
@@ -266,7 +264,6 @@ TEST(app_last_run)
     check_near("HEALTH: last_run", bus_item(&bus, WIRE_HEALTH, DIAG_LAST_RUN), WATCHDOG, 0);
     check_is("drives at zero or on their way", drive_target(&bus.app.plant.drive[0]).amplitude, ==, 0.0);
     check_int("the watchdog is fed, or nobody could read this", bus.wires.port[0].healthy - healthy, FRAMES);
-    bus_order(&bus, CONTROL_RESET);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_RESET);
     check_int("a reset acknowledges it", bus.app.faults, 0);
 }

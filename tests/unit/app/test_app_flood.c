@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "tests/fixture/bus.h"
+#include "tests/fixture/silent_bus.h"
 #include "tests/unit/test.h"
 
 enum { QUEUE = 1 << 18, BEHIND = 100000, KINDS = 15 };
@@ -23,24 +24,7 @@ static int take(void *context, struct frame *f)
     return 1;
 }
 
-static int send_nowhere(void *context, const struct frame *f)
-{
-    (void)context, (void)f;
-    return 1;
-}
-
-static void nothing(void *context)
-{
-    (void)context;
-}
-
-static uint32_t no_clock(void *context)
-{
-    (void)context;
-    return 0;
-}
-
-static const struct hal hal = {&queue, take, send_nowhere, nothing, no_clock, nothing};
+static const struct hal hal = {&queue, take, silent_send, silent_nothing, silent_clock, silent_nothing};
 static struct bus bus; /* its controller's counters and encoder; its wires are not used after the start */
 
 static void put(const struct frame *f)
@@ -84,8 +68,7 @@ static void put_flood(int n)
 
 static void flood_start(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 2);
     queue.first = queue.n = 0;
     queue.given = bus.app.count[DIAG_FRAMES_RECEIVED];

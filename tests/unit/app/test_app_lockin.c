@@ -65,11 +65,10 @@ static double complex slot(int i, int frames)
 
 static void check_slot(int i, double hertz, int frames, double complex right, double within)
 {
-    char name[80];
     double complex z = slot(i, frames);
-    snprintf(name, sizeof name, "slot %d: %g Hz, %d frames: |z| %.4g m, off the closed form", i, hertz,
-             frames, cabs(z));
-    check_below(name, cabs(z / right - 1.0), within);
+    check_below(
+        check_name("slot %d: %g Hz, %d frames: |z| %.4g m, off the closed form", i, hertz, frames, cabs(z)),
+        cabs(z / right - 1.0), within);
 }
 
 TEST(app_lockin_everywhere)

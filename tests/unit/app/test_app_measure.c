@@ -17,8 +17,7 @@ static struct bus bus;
 static void set_all(const double (*pair)[2], int n)
 {
     for (int i = 0; i < n; i++)
-        bus_set(&bus, SETTING_FIRST + (unsigned)pair[i][0], pair[i][1]);
-    bus_run(&bus, 1);
+        bus_set_now(&bus, SETTING_FIRST + (unsigned)pair[i][0], pair[i][1]);
 }
 
 /* Reads the whole burst over the bus; returns the number of values that differ from `expected`. */
@@ -64,8 +63,7 @@ static uint64_t record_alone(struct plant *alone, int ticks, float (*output)[OUT
 TEST(app_capture_liftoff)
 {
     static float alone[LONG][OUTPUTS];
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     set_all((const double[][2]){{SET_CAPTURE_SAMPLES, 200},
                                 {SET_CAPTURE_PRETRIGGER, 60},
                                 {SET_CAPTURE_TRIGGER, TRIGGER_LIFTOFF}},
@@ -97,8 +95,7 @@ TEST(app_capture_liftoff)
 TEST(app_capture_fire)
 {
     static float alone[LONG][OUTPUTS], every[100][OUTPUTS];
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     set_all((const double[][2]){{SET_CAPTURE_SAMPLES, 100},
                                 {SET_CAPTURE_PRETRIGGER, 90},
                                 {SET_CAPTURE_TRIGGER, TRIGGER_FIRE},
@@ -183,9 +180,8 @@ TEST(app_capture_memory)
 
 TEST(app_capture_refused)
 {
-    const struct app_config c = bus_config();
     const double read[][2] = {{0, 10}, {0, 11}, {10, 1}, {9, 1}};
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_command(&bus, WIRE_CAPTURE, (double[WIRE_FIELDS]){0, CAPTURE_READ, 0, 1});
     bus_run(&bus, 1);
     check_int("read of nothing", bus_cause(&bus, WIRE_CAPTURE), CAUSE_STATE);
@@ -221,8 +217,7 @@ TEST(app_lockin_sum)
 {
     enum { WINDOW = 20 * BUS_TICKS, FIRED = 6 * BUS_TICKS };
     const double hertz = 250.0, phase = 0.5; /* 5 periods a window: the mean force over one is the preload */
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     set_all((const double[][2]){{SET_LOCKIN_FRAMES, 20},
                                 {SET_LOCKIN_HARMONIC + 3, 0},
                                 {SET_LOCKIN_OUTPUT + 3, 3}},
@@ -276,10 +271,9 @@ TEST(app_lockin_sum)
 /* So small a force that the rig is linear: amplitude and phase of its transfer function. */
 TEST(app_lockin_linear)
 {
-    const struct app_config c = bus_config();
     const double hertz[] = {100.0, 230.0, 400.0};
     for (int i = 0; i < 3; i++) {
-        bus_start_running(&bus, &c);
+        bus_start_rig(&bus);
         bus_drive(&bus, RIG_FORCE, 64e-5, hertz[i], 0.0, 0.0);
         bus_fire(&bus, 1, false, 4 * BUS_TICKS, 0);
         for (int k = 0; k < 20; k++) {
@@ -308,9 +302,8 @@ TEST(app_lockin_linear)
  * begins to sound or falls silent, for a tone that lasts half a window is none. */
 TEST(app_lockin_window)
 {
-    const struct app_config c = bus_config();
     const struct lockin_window *w = &bus.app.lockin.window;
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     set_all((const double[][2]){{SET_LOCKIN_FRAMES, 20}, {SET_LOCKIN_HARMONIC + 3, 0}}, 2);
     bus_run(&bus, 3);
     check_int("ticks of whole frames", w->i_tick % BUS_TICKS, 0);
@@ -360,8 +353,7 @@ static void fire_settings(const double (*pair)[2], int n, uint64_t tick, unsigne
 /* The rig at rest, and the mean of outputs in windows of 2 frames. */
 static void start_means(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     set_all(
         (const double[][2]){{SET_LOCKIN_FRAMES, 2}, {SET_LOCKIN_HARMONIC + 3, 0}, {SET_LOCKIN_OUTPUT + 3, 3}},
         3);
@@ -400,9 +392,8 @@ TEST(app_lockin_fire)
 TEST(app_lockin_slots)
 {
     static const double amplitude[] = {1.0, 1.0, 1e-9, 1e-3};
-    const struct app_config c = bus_config();
     for (int input = 0; input < MODEL_INPUTS; input++) {
-        bus_start_running(&bus, &c);
+        bus_start_rig(&bus);
         set_all((const double[][2]){{SET_LOCKIN_FRAMES, 2},
                                     {SET_LOCKIN_CHANNEL, 2},
                                     {SET_LOCKIN_CHANNEL + 1, 3},

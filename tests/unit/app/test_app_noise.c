@@ -58,8 +58,7 @@ TEST(app_noise_fire)
 /* Fields that were not armed stay; noise and harmonic drive add up. */
 TEST(app_noise_fields)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     arm(RIG_FORCE, 8.0, HOLD, SEED, 0.0);
     bus_fire(&bus, 1u << RIG_FORCE, false, 20, 0);
     bus_run(&bus, 3);
@@ -77,7 +76,6 @@ TEST(app_noise_fields)
 
 TEST(app_noise_refused)
 {
-    const struct app_config c = bus_config();
     const struct {
         int field;
         double good, bad;
@@ -87,7 +85,7 @@ TEST(app_noise_refused)
                 {ARM_NOISE_HOLD, 2.0, 2.5},       {ARM_NOISE_HOLD, 1.0, (double)NAN},
                 {ARM_NOISE_SEED, SEED, SEED + 1}, {ARM_NOISE_SEED, 0.0, -1.0},
                 {ARM_NOISE_SEED, 7.0, 0.25},      {ARM_NOISE_SEED, 7.0, (double)-INFINITY}};
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     for (unsigned i = 0; i < sizeof edge / sizeof edge[0]; i++) {
         uint32_t range = bus.app.count[DIAG_RANGE];
         bus_arm(&bus, RIG_FORCE, (enum arm_field)edge[i].field, edge[i].good);
@@ -104,8 +102,7 @@ TEST(app_noise_refused)
 
 static void start_noise(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     arm(RIG_FORCE, 8.0, 1.0, SEED, 0.0);
     arm(RIG_BASE, 1e-8, 64.0, SEED, 0.0);
     bus_fire(&bus, 1u << RIG_FORCE | 1u << RIG_BASE, false, 20, 0);
@@ -125,23 +122,20 @@ TEST(app_noise_stop)
 {
     start_noise();
     double base = input(&bus.app, RIG_BASE);
-    bus_order(&bus, CONTROL_STOP);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_STOP);
     check_near("stop: its setting, N", noise_target(&bus.app.plant.drive[RIG_FORCE].noise).deviation, 0.0,
                0.0);
     check_near("plant time stands: the base too, m", input(&bus.app, RIG_BASE), base, 0.0);
     bus_next_session(&bus);
     bus_run(&bus, 1);
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_START);
     check_true("a frame later silent", silent());
     start_noise();
     bus_order(&bus, CONTROL_STOP);
     bus_silent(&bus, 1);
     bus_next_session(&bus);
     bus_enable(&bus, true);
-    bus_order(&bus, CONTROL_RESET);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_RESET);
     check_true("reset: silent at once", silent());
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 100);
@@ -153,8 +147,7 @@ TEST(app_noise_timeout)
     start_noise();
     bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, 20);
     bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_RAMP);
-    bus_set(&bus, SETTING_FIRST + SET_REACTION_RAMP_S, 0.01);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_REACTION_RAMP_S, 0.01);
     bus_silent(&bus, 20 + 6);
     uint64_t end = bus.app.plant.now.tick;
     check_near("ramp: after 6 of 10 frames, N", input(&bus.app, RIG_FORCE),
@@ -163,8 +156,7 @@ TEST(app_noise_timeout)
     check_true("after 10: silent", silent());
     start_noise();
     bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, 20);
-    bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_HOLD);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_REACTION, REACTION_HOLD);
     bus_silent(&bus, 100);
     check_near("hold: it goes on, N", input(&bus.app, RIG_FORCE),
                8.0 * value(RIG_FORCE, bus.app.plant.now.tick - 1), 1e-13);
@@ -173,8 +165,7 @@ TEST(app_noise_timeout)
 /* Hash of a plant after 200 frames with noise fired at this tick. */
 static uint64_t hash_of(double seed, uint64_t tick)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     arm(RIG_FORCE, 8.0, 4.0, seed, 0.0);
     bus_fire(&bus, 1u << RIG_FORCE, false, tick, 0);
     bus_run(&bus, 200);

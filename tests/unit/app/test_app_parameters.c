@@ -12,8 +12,7 @@ static struct bus bus;
 
 static void parameters_start(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 1);
     bus_forget(&bus);
 }
@@ -288,8 +287,7 @@ TEST(app_parameters_settings)
     for (int i = 0; i < 8; i++) {
         for (int k = 0; k < 3; k++) {
             parameters_start();
-            bus_set(&bus, SETTING_FIRST + (unsigned)rate[i].setting, every[k]);
-            bus_run(&bus, 1);
+            bus_set_now(&bus, SETTING_FIRST + (unsigned)rate[i].setting, every[k]);
             bus_forget(&bus);
             bus_run(&bus, 140);
             printf("      %s every %d frames\n", setting_table[rate[i].setting].name, every[k]);
@@ -297,14 +295,12 @@ TEST(app_parameters_settings)
         }
         if (rate[i].setting == SET_STATUS_EVERY)
             continue;
-        bus_set(&bus, SETTING_FIRST + (unsigned)rate[i].setting, 0);
-        bus_run(&bus, 1);
+        bus_set_now(&bus, SETTING_FIRST + (unsigned)rate[i].setting, 0);
         bus_forget(&bus);
         bus_run(&bus, 140);
         check_int("0: none", bus_count(&bus, rate[i].kind), 0);
     }
-    bus_set(&bus, SETTING_FIRST + SET_ECHO_EVERY, 1);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_ECHO_EVERY, 1);
     bus_forget(&bus);
     bus_run(&bus, 2 * (4 * ARM_FIELDS + INFO_ITEMS));
     check_int("echo_every 1: DRIVE_ECHO, two turns", bus_count(&bus, WIRE_DRIVE_ECHO), 2 * 4 * ARM_FIELDS);

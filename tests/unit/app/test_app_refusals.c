@@ -67,8 +67,7 @@ static void start_with(const struct model *m)
 
 static int set(unsigned setting, double value)
 {
-    bus_set(&bus, SETTING_FIRST + setting, value);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + setting, value);
     return bus_cause(&bus, WIRE_PARAM_COMMIT);
 }
 
@@ -108,8 +107,7 @@ static int control(enum control_operation operation, double argument)
 TEST(app_refusals_control)
 {
     start_with(&hertz_rig);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
     check_int("step 5 frames", control(CONTROL_STEP, 5.0), CAUSE_OK);
     check_int("another step meanwhile", control(CONTROL_STEP, 1.0), CAUSE_STATE);
     check_int("run until, meanwhile", control(CONTROL_RUN_UNTIL, (double)bus.app.plant.now.tick + 640.0),

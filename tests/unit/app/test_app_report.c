@@ -13,8 +13,7 @@ static struct bus bus;
 /* A rig that bounces: 16 N near resonance. */
 static void start_bouncing(struct plant *alone)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.0);
     bus_fire(&bus, 1, false, BUS_TICKS, 0);
     bus_run(&bus, 2);
@@ -131,8 +130,7 @@ TEST(app_report_flood)
     check_int("told + held back + overwritten", told + (int)kept_back + (int)lost, n);
     check_near("touchdowns + those overwritten, of all switches half", touchdowns, 0.5 * (n - (int)lost),
                5.0);
-    bus_set(&bus, SETTING_FIRST + SET_EVENTS_PER_FRAME, 0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_EVENTS_PER_FRAME, 0);
     bus_forget(&bus);
     bus_run(&bus, 5);
     check_int("events_per_frame 0: none told",
@@ -183,8 +181,7 @@ TEST(app_report_hash)
 
 TEST(app_report_latency)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_ECHO_EVERY, 1);
     bus_run(&bus, 3);
     bus.counter[WIRE_STREAM] = 9;

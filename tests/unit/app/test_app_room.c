@@ -10,8 +10,7 @@ static struct bus bus;
 /* Running, and from here on ROOM frames a turn go out; the plant says four and more. */
 static void room_start(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 5);
     bus.wires.port[0].tx_limit = ROOM;
 }
@@ -50,8 +49,7 @@ TEST(app_room_lockin)
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_HARMONIC + i, 0.0); /* the mean: needs no drive */
         bus_set(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT + i, i);
     }
-    bus_set(&bus, SETTING_FIRST + SET_LOCKIN_FRAMES, WINDOW);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_LOCKIN_FRAMES, WINDOW);
     bus_forget(&bus);
     bus_run(&bus, WINDOW * WINDOWS + WINDOW / 2);
     for (int i = 0; i < bus.n_seen; i++)

@@ -33,8 +33,7 @@ static void ramp_response(double two_xi, double t, double *y, double *v)
 /* A step so small that the Hertz contact is linear to 1e-6, in frame 10, seen from frame 9 to frame 30. */
 TEST(app_stream_hold)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 5);
     bus_stream(&bus, RIG_FORCE, 10, 64e-6);
     double worst = 0.0, before = 0.0, two_xi = bus.app.plant.p[RIG_P_TWO_XI], h = bus.app.plant.h;
@@ -57,8 +56,7 @@ TEST(app_stream_hold)
 
 TEST(app_stream_linear)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_STREAM_LINEAR + RIG_FORCE, 1);
     bus_run(&bus, 5);
     bus_stream(&bus, RIG_FORCE, 10, 64e-6);
@@ -105,17 +103,15 @@ static int echoes_of(int i, double *sample, int room, int *wrong)
  */
 TEST(app_stream_echo)
 {
-    const struct app_config c = bus_config();
     double sample[64];
     int wrong = 0;
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 5);
     check_int("by default there is none", bus_count(&bus, WIRE_STREAM_ECHO), 0);
     bus_set(&bus, SETTING_FIRST + SET_STREAM_ECHO_EVERY, 1);
     bus_set(&bus, SETTING_FIRST + SET_MOTION_EVERY, 0);
     bus_set(&bus, SETTING_FIRST + SET_CONTACT_EVERY, 0);
-    bus_set(&bus, SETTING_FIRST + SET_SYNC_EVERY, 100);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_SYNC_EVERY, 100);
     bus_forget(&bus);
     uint64_t first = plant_frame();
     bus_stream(&bus, RIG_FORCE, first + 1, (double)0.1f);
@@ -132,8 +128,7 @@ TEST(app_stream_echo)
     check_near("  before it", sample[3], 0.0, 0.0);
     check_int("an input that nothing drives: echoes", echoes_of(RIG_STIFFNESS, sample, 64, &wrong), 5);
     check_int("echoes that are not of the frame before their SYNC", wrong, 0);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
     bus_forget(&bus);
     bus_run(&bus, 10);
     check_int("while plant time stands: none", bus_count(&bus, WIRE_STREAM_ECHO), 0);
@@ -141,8 +136,7 @@ TEST(app_stream_echo)
 
 TEST(app_stream_guards)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 20);
     bus_stream(&bus, RIG_FORCE, plant_frame() - 1, 1.0);
     bus_run(&bus, 1);
@@ -200,8 +194,7 @@ TEST(app_stream_guards)
 /* A sample and a FIRE on both sides of a wrap: of the frame's 16 bits, of the tick's 32 bits. */
 static void across(uint64_t wrap_tick, const char *what)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus.app.plant.now.tick = wrap_tick - 3 * BUS_TICKS;
     printf("      across %s\n", what);
     bus_stream(&bus, 0, (wrap_tick / BUS_TICKS) - 1, 1.0);
@@ -241,8 +234,7 @@ TEST(app_stream_wrap)
 
 TEST(app_stream_full)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 1);
     for (uint64_t i = 0; i < MAILBOX_SAMPLES; i++)
         bus_stream(&bus, (int)(i % 4), 20 + i, 1e-3);

@@ -14,8 +14,7 @@ static struct bus bus;
 
 static void told_start(enum reaction reaction)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_REACTION, reaction);
     bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, TIMEOUT);
     bus_set(&bus, SETTING_FIRST + SET_AGE_LIMIT_FRAMES, 10000.0);
@@ -123,8 +122,7 @@ static bool alarmed(const struct swing *w, double share)
     struct plant *pl = &bus.app.plant;
     told_start(REACTION_HOLD);
     bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.1);
-    bus_set(&bus, RIG_PRELOAD, w->preload_N);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, RIG_PRELOAD, w->preload_N);
     bus_stream(&bus, RIG_BASE, pl->now.tick / BUS_TICKS + 2, w->base * pl->scale.length_m);
     bus_run(&bus, 5);
     bus_order(&bus, CONTROL_PAUSE);

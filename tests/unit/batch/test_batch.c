@@ -39,7 +39,6 @@ static void check_case(const struct trajectory *r)
     struct batch_taylor b;
     struct batch_one o;
     double samples[2 * TRAJECTORY_SAMPLES], worst = 0.0, growth = fmax(r->growth, 1.0);
-    char text[160];
     if (!r->model->hertz_form)
         return;
     void *memory = batch_make(&b, 1);
@@ -60,8 +59,8 @@ static void check_case(const struct trajectory *r)
         for (int k = 0; k < 2; k++)
             worst = fmax(worst, fabs(state[k] - r->state[i][k]) / column_max(r, k));
     }
-    snprintf(text, sizeof text, "%s: worst state error over its column's maximum", r->name);
-    check_below(text, worst, growth * 1e-11);
+    check_below(check_name("%s: worst state error over its column's maximum", r->name), worst,
+                growth * 1e-11);
     if (r->n_events_total >= 0 &&
         !strstr(r->name, "graze")) /* a touch without speed is there or not by rounding */
         check_int("lift-offs", b.liftoffs[0], liftoffs_of(r));
@@ -72,9 +71,7 @@ static void check_case(const struct trajectory *r)
 /* Multi-precision results made without this code, trusted to 1e-15. */
 TEST(batch_reference)
 {
-    check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_case), 10);
-    check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_case),
-              18);
+    trajectory_all(check_case);
 }
 
 /* ---- small motions ---- */
@@ -142,9 +139,7 @@ TEST(batch_small)
 
 static void refused(const char *what, const char *why)
 {
-    char text[200];
-    snprintf(text, sizeof text, "%s: %s", what, why ? why : "not refused");
-    check_error(text, why);
+    check_error(check_name("%s: %s", what, why ? why : "not refused"), why);
 }
 
 TEST(batch_refusals)

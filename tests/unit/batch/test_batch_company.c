@@ -114,7 +114,7 @@ static int plant_liftoffs(const double *paper, const double *state, double inter
     struct plant pl;
     struct event e;
     int n = 0;
-    trajectory_start(&pl, &hertz_rig, &taylor, tol, scratch, paper, interval / 64, state);
+    paper_start_by(&pl, &hertz_rig, &taylor, tol, scratch, paper, interval / 64, state);
     for (int i = 0; i < 64 * intervals; i++) {
         rig_run(&pl, 1);
         while (plant_take_event(&pl, &e))

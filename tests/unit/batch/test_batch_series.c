@@ -92,15 +92,11 @@ TEST(batch_series)
     uint64_t seed = 9;
     for (int n_tones = 1; n_tones <= BATCH_TONES; n_tones++) {
         double worst[3] = {0.0};
-        char text[96];
         for (int i = 0; i < CASES; i++)
             check_load(&seed, n_tones, worst);
-        snprintf(text, sizeof text, "%d tones: regularised contact, worst coefficient", n_tones);
-        check_below(text, worst[0], 1e-12);
-        snprintf(text, sizeof text, "%d tones: flight, worst coefficient", n_tones);
-        check_below(text, worst[1], 1e-13);
-        snprintf(text, sizeof text, "%d tones: contact in time, worst coefficient", n_tones);
-        check_below(text, worst[2], 1e-11);
+        check_below(check_name("%d tones: regularised contact, worst coefficient", n_tones), worst[0], 1e-12);
+        check_below(check_name("%d tones: flight, worst coefficient", n_tones), worst[1], 1e-13);
+        check_below(check_name("%d tones: contact in time, worst coefficient", n_tones), worst[2], 1e-11);
     }
 }
 

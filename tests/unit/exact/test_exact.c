@@ -36,7 +36,6 @@ TEST(exact_free)
     for (int i = 0; i < 7; i++) {
         double si[GAP_PARAMETERS] = {set[i][0], set[i][1], 0.0, 1e6}, x[2] = {0.3, -0.7}, error = 0.0,
                size = 0.0;
-        char text[80];
         gap_start(&run, &gap_oscillator, &exact, si, NULL, 0.3, x);
         for (int n = 1; n <= 60; n++) {
             long double a = (long double)x[0], b = (long double)x[1];
@@ -46,8 +45,8 @@ TEST(exact_free)
             error = fmax(error, fabs(run.plant.x[0] - (double)a) + fabs(run.plant.x[1] - (double)b));
             size = fmax(size, (double)(fabsl(a) + fabsl(b)));
         }
-        snprintf(text, sizeof text, "zeta %g, k %g: free motion over 60 ticks", si[GAP_ZETA], si[GAP_K]);
-        check_below(text, error, 1e-14 * size);
+        check_below(check_name("zeta %g, k %g: free motion over 60 ticks", si[GAP_ZETA], si[GAP_K]), error,
+                    1e-14 * size);
     }
 }
 
@@ -60,7 +59,6 @@ TEST(exact_parts)
     static struct gap_run run;
     for (int i = 0; i < 4; i++) {
         double si[GAP_PARAMETERS] = {set[i][0], set[i][1], 0.0, 1e6}, x[2] = {0.3, -0.7}, error = 0.0;
-        char text[80];
         gap_start(&run, &gap_oscillator, &exact, si, NULL, 2.05 / fastest[i], x);
         for (uint32_t n = 1; n <= 60; n++) {
             long double a = (long double)x[0], b = (long double)x[1];
@@ -70,8 +68,8 @@ TEST(exact_parts)
                         (long double)run.plant.h * n * 5.0L / 64.0L, &a, &b);
             error = fmax(error, fabs(run.plant.x[0] - (double)a) + fabs(run.plant.x[1] - (double)b));
         }
-        snprintf(text, sizeof text, "zeta %g, k %g: in parts of 5/64 of a tick", si[GAP_ZETA], si[GAP_K]);
-        check_below(text, error, 1e-14);
+        check_below(check_name("zeta %g, k %g: in parts of 5/64 of a tick", si[GAP_ZETA], si[GAP_K]), error,
+                    1e-14);
     }
 }
 
@@ -190,9 +188,7 @@ TEST(exact_grazing)
             gap_start(&run, &gap_oscillator, &exact, si, NULL, 0.28, low);
             missed += plant_run(&run.plant, 6) && !plant_take_event(&run.plant, &e);
         }
-        char text[80];
-        snprintf(text, sizeof text, "depth 1e-%d of the gap: touchdown and lift-off", power);
-        check_int(text, found, 25);
+        check_int(check_name("depth 1e-%d of the gap: touchdown and lift-off", power), found, 25);
         check_int("a miss by as much: no switch", missed, 25);
         /* an instant is as well defined as rounding of x over the speed sqrt(2 d) there */
         check_below("instant of the touchdown", error, 1e-15 / sqrt(d) + 1e-15);

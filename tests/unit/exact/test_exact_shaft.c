@@ -90,7 +90,6 @@ static void check_case(const struct reference *r, double finest)
     static struct gap_run run;
     struct comparison c = {.r = r};
     double max[6] = {0}, error = 0.0, state[6];
-    char text[128];
     double spacing = r->t[r->n_samples - 1] / r->n_samples;
     uint64_t steps = (uint64_t)ceil(spacing / finest);
     for (int i = 0; i < r->n_samples; i++)
@@ -103,8 +102,8 @@ static void check_case(const struct reference *r, double finest)
         for (int k = 0; k < 6; k++)
             error = fmax(error, fabs(state[k] - r->state[i][k]) / max[k]);
     }
-    snprintf(text, sizeof text, "%s, tick %.2e s: worst state error over its maximum", r->name, finest);
-    check_below(text, error, 5e-14 * fmax(r->growth, 30.0));
+    check_below(check_name("%s, tick %.2e s: worst state error over its maximum", r->name, finest), error,
+                5e-14 * fmax(r->growth, 30.0));
     check_int("contact switches", run.n_events, r->total);
     check_int("switches of the wrong kind", c.wrong, 0);
     /* unit of time: the fastest mode's 1/omega */

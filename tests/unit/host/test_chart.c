@@ -12,15 +12,10 @@
 static void check_ticks(const char *name, double min, double max, int n_max, const double expected[4])
 {
     struct chart_ticks t = chart_ticks_of(min, max, n_max);
-    char text[96];
-    snprintf(text, sizeof text, "%s: first tick", name);
-    check_near(text, t.first * t.step, expected[0], 1e-9 * fabs(expected[1]));
-    snprintf(text, sizeof text, "%s: step", name);
-    check_near(text, t.step, expected[1], 1e-9 * fabs(expected[1]));
-    snprintf(text, sizeof text, "%s: how many", name);
-    check_int(text, t.n, (int)expected[2]);
-    snprintf(text, sizeof text, "%s: decimals", name);
-    check_int(text, t.decimals, (int)expected[3]);
+    check_near(check_name("%s: first tick", name), t.first * t.step, expected[0], 1e-9 * fabs(expected[1]));
+    check_near(check_name("%s: step", name), t.step, expected[1], 1e-9 * fabs(expected[1]));
+    check_int(check_name("%s: how many", name), t.n, (int)expected[2]);
+    check_int(check_name("%s: decimals", name), t.decimals, (int)expected[3]);
 }
 
 TEST(chart_ticks)

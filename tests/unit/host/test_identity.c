@@ -127,8 +127,7 @@ TEST(identity_opening)
 /* A listener hears it within 100 frames, whatever the settings. */
 TEST(identity_listening)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_ECHO_EVERY, 0);
     bus_run(&bus, 20);
     for (int i = 0; i < 5; i++) {

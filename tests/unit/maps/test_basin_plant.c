@@ -240,7 +240,6 @@ static void compare(const char *what, const struct way *w, double reach, double 
     static double start[PLANT_STARTS][MODEL_STATES], x[PLANT_STARTS][MODEL_STATES];
     static struct basin_motion motion[PLANT_STARTS];
     struct basin_plant b;
-    char text[100];
     int differ = 0, n = w->scene->model->n_states;
     read_way(w, &b);
     for (int i = 0; i < PLANT_STARTS; i++) {
@@ -264,8 +263,7 @@ static void compare(const char *what, const struct way *w, double reach, double 
         outcomes[m.outcome]++;
         *switching += m.open > 0.0 && m.open < 1.0;
     }
-    snprintf(text, sizeof text, "%s: starts whose motion is not the plant's", what);
-    check_int(text, differ, 0);
+    check_int(check_name("%s: starts whose motion is not the plant's", what), differ, 0);
 }
 
 static void rig_scene(struct scene *s, double omega)

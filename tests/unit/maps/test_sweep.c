@@ -37,10 +37,19 @@ static void begin(const char *text)
     }
 }
 
+/* The scene is a preset. */
+static void begin_preset(const char *preset)
+{
+    begin("");
+    unlink(scene);
+    snprintf(scene, sizeof scene, "%s", preset);
+}
+
 static void end(void)
 {
     unlink(out);
-    unlink(scene);
+    if (*scene == '/') /* else it is a preset */
+        unlink(scene);
     rmdir(directory);
 }
 
@@ -113,18 +122,15 @@ static const struct row *find(const char *kind, const char *direction)
 
 static void check_jump(const char *name, const char *direction, double low, double high)
 {
-    char text[160];
     const struct row *from = find("jump_from", direction), *to = find("jump_to", direction);
-    snprintf(text, sizeof text, "%s, %s: jumps", name, direction);
-    check_int(text, count("jump_to", direction), 1);
+    check_int(check_name("%s, %s: jumps", name, direction), count("jump_to", direction), 1);
     if (!from || !to)
         return;
-    snprintf(text, sizeof text, "%s, %s: beyond the reference", name, direction);
-    check_above(text, fmax(from->value, to->value), low);
-    snprintf(text, sizeof text, "%s, %s: and not too far", name, direction);
-    check_below(text, fmin(from->value, to->value), high);
-    snprintf(text, sizeof text, "%s, %s: width of the bracket over its place", name, direction);
-    check_below(text, fabs(from->value / to->value - 1.0), 1e-4);
+    check_above(check_name("%s, %s: beyond the reference", name, direction), fmax(from->value, to->value),
+                low);
+    check_below(check_name("%s, %s: and not too far", name, direction), fmin(from->value, to->value), high);
+    check_below(check_name("%s, %s: width of the bracket over its place", name, direction),
+                fabs(from->value / to->value - 1.0), 1e-4);
 }
 
 static double apart(const struct row *a, const struct row *b)
@@ -335,8 +341,7 @@ static void check_grids(const struct grid_case *c)
     struct jumps first[2], other;
     char text[160];
     for (int k = 0; k < 2; k++) {
-        begin("");
-        snprintf(scene, sizeof scene, "%s", c->preset);
+        begin_preset(c->preset);
         snprintf(text, sizeof text, "--sweep=%s:%d --cores=1", c->range, c->n[k]);
         check_int(c->preset, sweep(text), STATUS_DONE);
         each_jump(check_order);
@@ -346,7 +351,6 @@ static void check_grids(const struct grid_case *c)
             check_agree(text, &first[down], k ? &other : &first[down]);
             check_fold(text, k ? &other : &first[down], down ? c->down : c->up);
         }
-        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
         end();
     }
 }
@@ -365,8 +369,7 @@ TEST(sweep_chaotic_end)
     static const int points[] = {200, 133, 97, 61};
     char text[80];
     for (size_t k = 0; k < sizeof points / sizeof points[0]; k++) {
-        begin("");
-        snprintf(scene, sizeof scene, "kb-fig7-slow");
+        begin_preset("kb-fig7-slow");
         snprintf(text, sizeof text, "--sweep=omega=0.13:0.52:%d", points[k]);
         check_int(text, sweep(text), STATUS_DONE);
         check_int("jumps up", count("jump_to", "up"), 1);
@@ -379,7 +382,6 @@ TEST(sweep_chaotic_end)
             check_below("ends on the lower branch: amplitude", side[1].amplitude[0], 0.06);
             check_above("not far beyond", side[1].value, 0.2590);
         }
-        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
         end();
     }
 }
@@ -393,8 +395,7 @@ TEST(sweep_second_drive)
     char text[80];
     for (int k = 0; k < 2; k++) {
         int ends = 0;
-        begin("");
-        snprintf(scene, sizeof scene, "kb-fig4");
+        begin_preset("kb-fig4");
         snprintf(text, sizeof text, "--sweep=omega=0.385:0.42:%d", points[k]);
         check_int(text, sweep(text), STATUS_DONE);
         take_jumps("up", &up[k]);
@@ -403,7 +404,6 @@ TEST(sweep_second_drive)
             ends += !strncmp(row[i - 1].kind, "jump", 4) && !strcmp(row[i].direction, "down") &&
                     row[i].value < 0.38965 && row[i - 1].value > 0.38960 && row[i - 1].value < 0.38990;
         check_above("places and ranges of the end down", ends, 0.5);
-        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
         end();
     }
     check_int("jumps up", up[0].n, 1);
@@ -417,8 +417,7 @@ TEST(sweep_kick)
     struct jumps jumps[2];
     char text[80];
     for (int k = 0; k < 2; k++) {
-        begin("");
-        snprintf(scene, sizeof scene, "shaft-fig9-700");
+        begin_preset("shaft-fig9-700");
         snprintf(text, sizeof text, "--sweep=freq_hz=678:722:%d", points[k]);
         check_int(text, sweep(text), STATUS_DONE);
         take_jumps("up", &jumps[k]);
@@ -426,7 +425,6 @@ TEST(sweep_kick)
         check_int("jumps with a place down", count("jump_to", "down"), 0);
         check_above("where it does not settle, down",
                     count("unsettled", "down") + count("jump_unsettled", "down"), 0.5);
-        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
         end();
     }
     check_agree("jumps of both grids", &jumps[0], &jumps[1]);
@@ -436,8 +434,7 @@ TEST(sweep_kick)
  * leaves the symmetric motion, which is unstable from there on, and has even harmonics. */
 TEST(sweep_symmetry)
 {
-    begin("");
-    snprintf(scene, sizeof scene, "shaft-fig12");
+    begin_preset("shaft-fig12");
     check_int("sweep", sweep("--sweep=freq_hz=17.5:18.2:8"), STATUS_DONE);
     check_int("rows: no jump", n_rows, 16);
     for (int i = 0; i < n_rows; i++) {
@@ -447,7 +444,6 @@ TEST(sweep_symmetry)
         if (row[i].value > 17.95)
             check_above("and where there is none", even, 0.1);
     }
-    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
     end();
 }
 
@@ -464,8 +460,7 @@ static void check_kinds(void)
  * chaotic at 25 Hz. Jumps are told between settled motions only, and what is not settled is told as that. */
 TEST(sweep_unsettled)
 {
-    begin("");
-    snprintf(scene, sizeof scene, "bbp-fig9");
+    begin_preset("bbp-fig9");
     check_int("sweep", sweep("--set=a_stiff=5 --sweep=omega=1:1.1:6"), STATUS_DONE);
     check_int("jumps up", count("jump_to", "up"), 1);
     check_kinds();
@@ -475,7 +470,6 @@ TEST(sweep_unsettled)
     check_int("points that do not settle, up", count("unsettled", "up"), 2);
     check_int("and no jump is told", n_rows, 4);
     check_kinds();
-    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
     end();
 }
 
@@ -728,8 +722,7 @@ TEST(sweep_chance)
 {
     int rows = 0, different = 0;
     size_t cut = 0;
-    begin("");
-    snprintf(scene, sizeof scene, "shaft-fig9-80");
+    begin_preset("shaft-fig9-80");
     check_int("sweep", sweep("--sweep=freq_hz=40:62:8"), STATUS_DONE);
     read_out(whole);
     for (char *line = whole; line < whole + strlen(whole);) {
@@ -749,7 +742,6 @@ TEST(sweep_chance)
         different += strcmp(whole, part) != 0;
     }
     check_int("resumed runs that differ from the whole", different, 0);
-    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
     end();
 }
 
@@ -774,8 +766,7 @@ static int sweep_says(const char *arguments, const char *line_begin)
  * of 0.25 Hz meet it. The long step says, too, that another motion can be met. */
 TEST(sweep_chance_of_long_steps)
 {
-    begin("");
-    snprintf(scene, sizeof scene, "shaft-fig13-18");
+    begin_preset("shaft-fig13-18");
     check_int("short steps", sweep("--sweep=freq_hz=34.2:36.2:9"), STATUS_DONE);
     double amplitude = row[8].amplitude[0];
     unlink(out);
@@ -786,7 +777,6 @@ TEST(sweep_chance_of_long_steps)
     char *line = strchr(strchr(whole, '\n') + 1, '\n') + 1;
     *strchr(line, '\n') = '\0';
     check_int("motions in its row", n_motions(line), 2);
-    snprintf(scene, sizeof scene, "%s/scene.ini", directory);
     end();
 }
 
@@ -800,8 +790,7 @@ TEST(sweep_jump_chance)
     double to[2] = {0.0, 0.0};
     for (int k = 0; k < 2; k++) {
         char text[80];
-        begin("");
-        snprintf(scene, sizeof scene, "kb-fig4");
+        begin_preset("kb-fig4");
         snprintf(text, sizeof text, "--sweep=omega=0.387:0.41:%d", points[k]);
         check_int(text, sweep(text), STATUS_DONE);
         take_jumps("up", &ends[k]);
@@ -813,7 +802,6 @@ TEST(sweep_jump_chance)
             check_near("to the upper branch", chance[1].amplitude[0], 0.547, 2e-3);
             check_above("behind the end of the branch", chance[0].value, far->value);
         }
-        snprintf(scene, sizeof scene, "%s/scene.ini", directory);
         end();
     }
     check_true("one grid escapes", isnan(to[0]));

@@ -264,13 +264,11 @@ TEST(sweep_meter_pairs)
 {
     static const double wider[] = {0.0, 1e-7, 1e-5, 1e-4, 1e-3};
     for (size_t i = 0; i < sizeof wider / sizeof wider[0]; i++) {
-        char what[64];
         double worst = 0.0;
         for (int k = 0; k < 8 && !isnan(worst); k++) {
             double error = pair_error(1.8, wider[i], 0.0831 * k);
             worst = error > worst || isnan(error) ? error : worst;
         }
-        snprintf(what, sizeof what, "gap 3 wider by %g: penetration of both", wider[i]);
-        check_below(what, worst, 2e-6);
+        check_below(check_name("gap 3 wider by %g: penetration of both", wider[i]), worst, 2e-6);
     }
 }

@@ -27,8 +27,8 @@ static void start_rig(double h, double place, double rate)
     double paper[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
     paper[RIG_PAPER_XI] = paper[RIG_PAPER_SIGMA] = 0.0;
-    trajectory_start(&pl, &hertz_rig, &adams, 0.0, scratch, paper, h,
-                     (double[]){1.5 * place - 1.5, 1.5 * rate});
+    paper_start_by(&pl, &hertz_rig, &adams, 0.0, scratch, paper, h,
+                   (double[]){1.5 * place - 1.5, 1.5 * rate});
 }
 
 static void run_ticks(uint64_t ticks)
@@ -42,11 +42,9 @@ static void run_ticks(uint64_t ticks)
 /* Far from the contact x'' = (2/3)(1 + u): ticks of two radians of the drive, and no error but rounding. */
 static void check_flight(const char *name, double t, double way, double speed)
 {
-    char text[100];
-    snprintf(text, sizeof text, "%s: place, over 50", name);
-    check_near(text, (pl.x[0] - (-50.0 + t * t / 3.0 + way * (2.0 / 3.0))) / 50.0, 0.0, 2e-14);
-    snprintf(text, sizeof text, "%s: rate", name);
-    check_near(text, pl.x[1] - ((2.0 / 3.0) * t + speed * (2.0 / 3.0)), 0.0, 2e-13);
+    check_near(check_name("%s: place, over 50", name),
+               (pl.x[0] - (-50.0 + t * t / 3.0 + way * (2.0 / 3.0))) / 50.0, 0.0, 2e-14);
+    check_near(check_name("%s: rate", name), pl.x[1] - ((2.0 / 3.0) * t + speed * (2.0 / 3.0)), 0.0, 2e-13);
 }
 
 TEST(adams_flight_drives)
@@ -111,39 +109,31 @@ static bool taken(const struct trajectory *r)
 
 static void check_order(const struct trajectory *r)
 {
-    char text[160];
     double last;
     if (!taken(r) || r->n_events_total < 0)
         return;
     bool smooth = r->n_events_total == 0 && r->n_samples > 0;
     double order = order_of(r, smooth ? 80.0 : 120.0, smooth ? 320.0 : 1200.0, &last);
-    snprintf(text, sizeof text, "%s: order %s", r->name, smooth ? "of smooth motion" : "across switches");
-    check_near(text, order, smooth ? 5.6 : 2.4, smooth ? 1.0 : 0.5);
-    snprintf(text, sizeof text, "%s: error at the last", r->name);
-    check_below(text, last, smooth ? 1e-5 : 2e-4);
+    check_near(check_name("%s: order %s", r->name, smooth ? "of smooth motion" : "across switches"), order,
+               smooth ? 5.6 : 2.4, smooth ? 1.0 : 0.5);
+    check_below(check_name("%s: error at the last", r->name), last, smooth ? 1e-5 : 2e-4);
 }
 
 TEST(adams_order)
 {
-    check_int("cases of the rig", trajectory_each("tests/data/rig_trajectories.txt", check_order), 10);
-    check_int("cases of the other models", trajectory_each("tests/data/model_trajectories.txt", check_order),
-              18);
+    trajectory_all(check_order);
 }
 
 static int n_told;
 
 static void check_told(const struct trajectory *r)
 {
-    char text[160];
     if (!taken(r) || r->n_events_total <= 0)
         return;
     struct trajectory_errors worst = trajectory_run(r, &adams, 0.0, scratch, 640.0);
-    snprintf(text, sizeof text, "%s: contact switches", r->name);
-    check_int(text, worst.n_events, r->n_events_total);
-    snprintf(text, sizeof text, "%s: worst instant, model time", r->name);
-    check_below(text, worst.time, 2e-3);
-    snprintf(text, sizeof text, "%s: worst speed, model units", r->name);
-    check_below(text, worst.speed, 2e-3);
+    check_int(check_name("%s: contact switches", r->name), worst.n_events, r->n_events_total);
+    check_below(check_name("%s: worst instant, model time", r->name), worst.time, 2e-3);
+    check_below(check_name("%s: worst speed, model units", r->name), worst.speed, 2e-3);
     check_int("of the wrong kind", worst.kinds, 0);
     n_told++;
 }
@@ -151,8 +141,7 @@ static void check_told(const struct trajectory *r)
 TEST(adams_reference_switches)
 {
     n_told = 0;
-    trajectory_each("tests/data/rig_trajectories.txt", check_told);
-    trajectory_each("tests/data/model_trajectories.txt", check_told);
+    trajectory_all(check_told);
     check_above("trajectories with switches", n_told, 8);
 }
 
@@ -189,12 +178,10 @@ static void check_dip(const char *name, double push, double side)
                  arm = sqrt(2.0 * depth / fabs(bend));
     const double before = 0.4 * h;
     struct event e[2];
-    char text[100];
     start_rig(h, side * (depth - 0.5 * fabs(bend) * before * before), side * fabs(bend) * before);
     plant_sample(&pl, RIG_FORCE, push, 0);
     run_ticks(1);
-    snprintf(text, sizeof text, "%s: two switches in one tick", name);
-    check_int(text, pl.counts.switches, 2);
+    check_int(check_name("%s: two switches in one tick", name), pl.counts.switches, 2);
     check_true("both told", plant_take_event(&pl, &e[0]) && plant_take_event(&pl, &e[1]));
     check_int("the first one is a touchdown", e[0].touch, side > 0.0);
     check_int("and the second one is not", e[1].touch, side < 0.0);
@@ -219,7 +206,7 @@ static double imbalance(const struct trajectory *r, double steps, uint64_t *swit
     double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
     paper_prepare(r->model, r->paper, si, p, &scale);
     double h = 6.283185307179586 * scale.time_s / r->model->eigenfrequency(p) / steps;
-    trajectory_start(&pl, r->model, &adams, 0.0, scratch, r->paper, h, r->start);
+    paper_start_by(&pl, r->model, &adams, 0.0, scratch, r->paper, h, r->start);
     double worst = 0.0;
     for (uint64_t left = (uint64_t)(r->t[r->n_samples - 1] / h); left > 0; left--) {
         run_ticks(1);
@@ -231,20 +218,18 @@ static double imbalance(const struct trajectory *r, double steps, uint64_t *swit
 
 static void check_energy(const struct trajectory *r)
 {
-    char text[160];
     uint64_t switches;
     if (!taken(r))
         return;
     double worst = imbalance(r, 480.0, &switches);
-    snprintf(text, sizeof text, "%s: residual over gross energy and one, 480 ticks a period", r->name);
-    check_below(text, worst, switches ? 1e-4 : 1e-6);
+    check_below(check_name("%s: residual over gross energy and one, 480 ticks a period", r->name), worst,
+                switches ? 1e-4 : 1e-6);
 }
 
 /* Forces, a moving base with and without a damper on it, a modulated stiffness. */
 TEST(adams_energies)
 {
-    trajectory_each("tests/data/rig_trajectories.txt", check_energy);
-    trajectory_each("tests/data/model_trajectories.txt", check_energy);
+    trajectory_all(check_energy);
 }
 
 /* ---- what it forgets ---- */
@@ -256,8 +241,8 @@ TEST(adams_forgets)
     static struct plant fresh;
     double x[MODEL_STATES] = {1.7, 0.1}, paper[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
-    trajectory_start(&fresh, &hertz_rig, &adams, 0.0, other, paper, 0.1, (double[]){0.0, 0.0});
-    trajectory_start(&pl, &hertz_rig, &adams, 0.0, scratch, paper, 0.1, (double[]){1.0, 0.3});
+    paper_start_by(&fresh, &hertz_rig, &adams, 0.0, other, paper, 0.1, (double[]){0.0, 0.0});
+    paper_start_by(&pl, &hertz_rig, &adams, 0.0, scratch, paper, 0.1, (double[]){1.0, 0.3});
     plant_drive_start(&pl, RIG_FORCE, 0.0, 0.0, 0.0);
     plant_drive_start(&fresh, RIG_FORCE, 0.0, 0.0, 0.0);
     run_ticks(50);

@@ -38,9 +38,8 @@ static const struct method *choice(const struct model *m, double angle, double t
 
 static void check_choice(const struct model *m, double angle, double tol, const struct method *expected)
 {
-    char text[128];
-    snprintf(text, sizeof text, "%s, %g rad, tolerance %g", m->name, angle, tol);
-    check_string(text, choice(m, angle, tol)->name, expected->name);
+    check_string(check_name("%s, %g rad, tolerance %g", m->name, angle, tol), choice(m, angle, tol)->name,
+                 expected->name);
 }
 
 TEST(auto_choice)
@@ -85,12 +84,11 @@ TEST(auto_choice)
 static void check_tolerance(const struct trajectory *r)
 {
     for (int k = 2; k < 6; k++) {
-        char text[128];
         double tol = pow(10.0, -k), steps = 6.2831853 / (0.999 * pow(tol, 0.4));
         steps = fmax(steps, 64.0);
         struct trajectory_errors e = trajectory_run(r, &auto_method, tol, scratch, steps);
-        snprintf(text, sizeof text, "%s, tolerance %g: error over it and the growth", r->name, tol);
-        check_below(text, e.state / tol / fmax(r->growth, 1.0), 2.0);
+        check_below(check_name("%s, tolerance %g: error over it and the growth", r->name, tol),
+                    e.state / tol / fmax(r->growth, 1.0), 2.0);
     }
 }
 
@@ -138,8 +136,8 @@ static void check_bits_of(const struct model *m, const double *paper, double h, 
     struct plant a, b;
     for (int i = 0; i < METHOD_SCRATCH; i++)
         scratch[i] = (double)NAN;
-    trajectory_start(&a, m, &auto_method, tol, scratch, paper, h, state);
-    trajectory_start(&b, m, expected, tol, other_scratch, paper, h, state);
+    paper_start_by(&a, m, &auto_method, tol, scratch, paper, h, state);
+    paper_start_by(&b, m, expected, tol, other_scratch, paper, h, state);
     check_string(m->name, auto_now(a.scratch)->name, expected->name);
     check_true("both stay finite", plant_run(&a, 3000) && plant_run(&b, 3000));
     check_above("switches", a.counts.switches, m->n_contacts ? 2 : 0);
@@ -182,7 +180,7 @@ TEST(auto_change)
     double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS];
     paper_defaults(&hertz_rig, paper);
     paper[paper_index(&hertz_rig, "sigma")] = 0.5;
-    trajectory_start(&pl, &hertz_rig, &auto_method, 1e-3, scratch, paper, 0.04, (double[]){1.8, 0.0});
+    paper_start_by(&pl, &hertz_rig, &auto_method, 1e-3, scratch, paper, 0.04, (double[]){1.8, 0.0});
     memcpy(si, pl.si, sizeof si);
     double soft = si[RIG_CONTACT_STIFFNESS];
     for (int turn = 0; turn < 6; turn++) {
@@ -215,8 +213,7 @@ TEST(auto_bus)
     check_above("switches by rk4", pl->counts.switches, 2);
     for (int turn = 0; turn < 4; turn++) {
         const struct method *expected = turn % 2 ? &rk4 : &taylor;
-        bus_set(&bus, RIG_MASS, turn % 2 ? 6.5 : 2.0);
-        bus_run(&bus, 1);
+        bus_set_now(&bus, RIG_MASS, turn % 2 ? 6.5 : 2.0);
         check_int("new parameters", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
         check_string("the method", auto_now(pl->scratch)->name, expected->name);
         struct plant copy = alone(pl, expected, other_scratch);
@@ -227,7 +224,6 @@ TEST(auto_bus)
         check_true("a plant alone", plant_run(&copy, pl->now.tick - ticks));
         check_hex("state hash", plant_hash(pl), plant_hash(&copy));
     }
-    bus_set(&bus, RIG_MASS, 1e-6);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, RIG_MASS, 1e-6);
     check_int("a step too coarse for any is refused", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
 }

@@ -67,12 +67,11 @@ TEST(method_scratch)
     int pairs = 0;
     for (int i = 0; i < MODELS; i++)
         for (int k = 0; k < METHODS; k++) {
-            char name[80];
             const struct model *m = model_table[i];
             if (!start_loud(&pl, m, method_table[k]))
                 continue;
-            snprintf(name, sizeof name, "%s by %s", m->name, method_table[k]->name);
-            check_pair(name, &pl, method_table[k]->n_scratch(m));
+            check_pair(check_name("%s by %s", m->name, method_table[k]->name), &pl,
+                       method_table[k]->n_scratch(m));
             pairs++;
         }
     check_is("pairs of model and method", pairs, >=, 64);

@@ -85,16 +85,15 @@ static double worst_step(const struct model *m, const double *p, double size)
 TEST(rk4_float32_step)
 {
     double p[MODEL_DERIVED];
-    char text[128];
     for (int i = 0; i < MODELS; i++) {
         const struct model *m = model_table[i];
         default_numbers(m, p);
         if (rk4_float32_refuse_model(m, p))
             continue;
         for (double size = 1e-4; size < 10.0; size *= 100.0) {
-            snprintf(text, sizeof text, "%s: increments against rk4, deviation %g, in float roundings",
-                     m->name, size);
-            check_below(text, worst_step(m, p, size), 4.0);
+            check_below(
+                check_name("%s: increments against rk4, deviation %g, in float roundings", m->name, size),
+                worst_step(m, p, size), 4.0);
         }
     }
 }

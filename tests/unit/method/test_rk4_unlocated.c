@@ -178,8 +178,8 @@ TEST(rk4_unlocated_order_hertz)
     paper[RIG_PAPER_XI] = 0.0;
     for (int i = 0; i < WIDTHS; i++, steps *= 1.04) {
         double h = period / floor(steps);
-        trajectory_start(&pl, &hertz_rig, &rk4_unlocated, 0.0, scratch, paper, h,
-                         (double[]){1.5 * eta - 1.5, 0.0});
+        paper_start_by(&pl, &hertz_rig, &rk4_unlocated, 0.0, scratch, paper, h,
+                       (double[]){1.5 * eta - 1.5, 0.0});
         if (!plant_run(&pl, (uint64_t)steps))
             check_true("the rig stays finite", 0);
         x[i] = log(h);

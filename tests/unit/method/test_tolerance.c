@@ -59,13 +59,12 @@ TEST(tolerance_small)
     struct plant pl;
     for (unsigned m = 0; m < sizeof models / sizeof *models; m++)
         for (int k = 0; k < 18; k++) {
-            char text[128];
             double size = sizes[k % 3], tol = tols[k / 3 % 2], omega = omegas[k / 6];
             const struct method *method = k % 2 ? &auto_method : &taylor;
             start_unit(&pl, models[m], method, 0.098, tol);
-            snprintf(text, sizeof text, "%s, %s, size %g at %g: error over tolerance %g", models[m]->name,
-                     method->name, size, omega, tol);
-            check_below(text, error_of(&pl, omega, size, 200) / tol, 1.0);
+            check_below(check_name("%s, %s, size %g at %g: error over tolerance %g", models[m]->name,
+                                   method->name, size, omega, tol),
+                        error_of(&pl, omega, size, 200) / tol, 1.0);
         }
 }
 

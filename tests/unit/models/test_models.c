@@ -70,9 +70,7 @@ static double size_of(const double *x, int n)
 
 static void report(const char *name, const struct model *m, double worst, double limit)
 {
-    char text[128];
-    snprintf(text, sizeof text, "%s: %s", m->name, name);
-    check_below(text, worst, limit);
+    check_below(check_name("%s: %s", m->name, name), worst, limit);
 }
 
 /* Defaults are accepted, by the plant too; drives of the

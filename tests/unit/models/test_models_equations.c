@@ -48,9 +48,7 @@ static void ask_model(struct moment *k, double factor, int carried)
 
 static void report_equation(const char *name, double worst)
 {
-    char text[128];
-    snprintf(text, sizeof text, "%s: worst acceleration error", name);
-    check_below(text, worst, 2e-14);
+    check_below(check_name("%s: worst acceleration error", name), worst, 2e-14);
 }
 
 /* ---- Hertz rig ---- */

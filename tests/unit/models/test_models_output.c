@@ -58,9 +58,7 @@ static void look(const struct model *m, double sign, uint64_t *seed, struct view
 
 static void report_output(const struct model *m, const char *what, double worst)
 {
-    char text[128];
-    snprintf(text, sizeof text, "%s: %s, relative", m->name, what);
-    check_below(text, worst, 2e-13);
+    check_below(check_name("%s: %s, relative", m->name, what), worst, 2e-13);
 }
 
 /* Off `expected` by this part of `size`. */

@@ -46,19 +46,19 @@ TEST(scenes_presets)
 {
     for (int i = 0; i < SCENES; i++) {
         const struct preset *p = &scenes_table[i];
-        char why[SCENE_CHECK_REASON], name[96];
+        char why[SCENE_CHECK_REASON];
         bool clash = scenes_find(p->name) != p;
         for (int k = 0; k < MODELS; k++)
             clash |= !strcmp(p->name, model_table[k]->name);
-        snprintf(name, sizeof name, "%s: named once, titled, nothing in it contradicts", p->name);
-        check_true(name, !clash && *p->title && !scene_check(&p->scene, why));
+        check_true(check_name("%s: named once, titled, nothing in it contradicts", p->name),
+                   !clash && *p->title && !scene_check(&p->scene, why));
         const char *reason = start_scene(&p->scene, 1.0);
         bool escapes = strstr(p->title, ": escapes") != NULL;
         int frames = escapes ? 10 : 20;
-        snprintf(name, sizeof name, "%s: %s", p->name, reason ? reason : "frames without a fault");
-        check_true(name, !reason && plant_run(&plant, (uint64_t)(frames * p->scene.substeps)) &&
-                             !plant.counts.not_finite && !plant.counts.budget && !plant.counts.work &&
-                             !plant.counts.residual);
+        check_true(check_name("%s: %s", p->name, reason ? reason : "frames without a fault"),
+                   !reason && plant_run(&plant, (uint64_t)(frames * p->scene.substeps)) &&
+                       !plant.counts.not_finite && !plant.counts.budget && !plant.counts.work &&
+                       !plant.counts.residual);
         if (escapes)
             check_true("and it escapes within the time asked",
                        !plant_run(&plant, (uint64_t)(p->scene.over / p->scene.frame_s * p->scene.substeps)));

@@ -90,10 +90,8 @@ enum { PATTERNS = sizeof pattern / sizeof pattern[0], OUT_OF_EVERY_RANGE = 8 };
 
 static void start_paused(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
+    bus_start_rig(&bus);
+    bus_order_now(&bus, CONTROL_PAUSE);
 }
 
 static bool same_as_before(void)

@@ -110,12 +110,11 @@ TEST(lockin_closed_form)
         {1, 1, 0.1, 0.15, -1.5, 1.0, 0.4, 1.0, 0.31, -2.0},
     };
     for (int i = 0; i < 8; i++) {
-        char name[80];
         uint32_t at;
         double complex z = measured(&CASE[i], &at), ideal = expected(&CASE[i]);
-        snprintf(name, sizeof name, "n_ticks %u harmonic %u: |z| %.9g, off the closed form", (unsigned)at,
-                 (unsigned)CASE[i].harmonic, cabs(ideal));
-        check_below(name, cabs(z - ideal), 1e-12);
+        check_below(check_name("n_ticks %u harmonic %u: |z| %.9g, off the closed form", (unsigned)at,
+                               (unsigned)CASE[i].harmonic, cabs(ideal)),
+                    cabs(z - ideal), 1e-12);
         check_int("samples in a window", at, CASE[i].n_ticks);
     }
     struct tones whole = CASE[1];
@@ -153,15 +152,14 @@ TEST(lockin_leakage)
     static const double DISTANCE[] = {1.5, 2.5, 5.5, 10.5, 20.5, 40.5};
     uint32_t at;
     for (int i = 0; i < 6; i++) {
-        char name[80];
         double d = DISTANCE[i], bound = 1.0 / (0.5 * TWO_PI * d * (d * d - 1.0));
         struct tones tone = {.n_ticks = 4000, .harmonic = 1, .turns = 0.2, .other = 1.0};
         tone.other_turns = 0.2 + d / 4000.0;
-        snprintf(name, sizeof name, "a tone %.1f periods away leaks", d);
-        check_below(name, cabs(measured(&tone, &at)), bound * 1.001);
+        check_below(check_name("a tone %.1f periods away leaks", d), cabs(measured(&tone, &at)),
+                    bound * 1.001);
         struct tones offset = {.n_ticks = 4000, .harmonic = 1, .turns = d / 4000.0, .offset = 1.0};
-        snprintf(name, sizeof name, "an offset over %.1f periods leaks", d);
-        check_below(name, cabs(measured(&offset, &at)), 2.0 * bound * 1.001);
+        check_below(check_name("an offset over %.1f periods leaks", d), cabs(measured(&offset, &at)),
+                    2.0 * bound * 1.001);
     }
 }
 

@@ -24,8 +24,7 @@ static double set(int kind, int signal, double value)
 /* Running, with the mass driven so hard that contact is lost. */
 static void start_sensed(void)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_drive(&bus, RIG_FORCE, 40.0, 215.0, 0.0, 0.01);
     bus_fire(&bus, 1u << RIG_FORCE, false, 20, 0);
 }

@@ -216,8 +216,7 @@ TEST(watch_eigenfrequency)
     check_int("1.41 times: no trip", bus.app.count[DIAG_WATCH_TRIPS], 0);
     check_near("STATUS: not yet", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
     uint64_t tick = bus.app.plant.now.tick;
-    bus_set(&bus, RIG_MASS, mass / 4.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, RIG_MASS, mass / 4.0);
     check_near("STATUS: twice is beyond", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 1, 0);
     check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
     check_near("WATCH names it", bus_value(&bus, WIRE_WATCH, WATCH_OBSERVABLE), MODEL_EIGENFREQUENCY, 0);
@@ -280,10 +279,8 @@ TEST(watch_time)
     check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
     bus_run(&bus, 50);
     check_int("once", bus.app.count[DIAG_WATCH_TRIPS], 1);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
-    bus_order(&bus, CONTROL_RESET);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
+    bus_order_now(&bus, CONTROL_RESET);
     check_near("STATUS: cleared by a reset", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
     bus_order(&bus, CONTROL_START);
     bus_run(&bus, 2);
@@ -586,10 +583,8 @@ TEST(watch_climb_bus)
     check_near("no fault", bus_value(&bus, WIRE_STATUS, STATUS_FAULTS), 0, 0);
     bus_run(&bus, 20 * (4 * ARM_FIELDS + INFO_ITEMS));
     check_near("INFO: promoted", bus_item(&bus, WIRE_INFO, INFO_PROMOTED), 1, 0);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
-    bus_order(&bus, CONTROL_RESET);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
+    bus_order_now(&bus, CONTROL_RESET);
     check_near("a reset clears the flag", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
     check_string("and stays on the full model", bus.app.plant.model->name, hertz_rig.name);
 }
@@ -614,11 +609,9 @@ TEST(watch_climb_parameters)
     c.promote = &shaft_bearing;
     c.substeps = 64;
     bus_start_running(&bus, &c);
-    bus_set(&bus, SHAFT_M1, 0.01);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SHAFT_M1, 0.01);
     check_int("a mass too light for the full model's step", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-    bus_set(&bus, mode, 1.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, mode, 1.0);
     check_int("the mode", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     struct staged set = {{0}, {0}};
     staged_put(&set, mode, 1.0);
@@ -633,8 +626,7 @@ TEST(watch_climb_parameters)
     bus_write(&bus, mode, 1.0);
     bus_run(&bus, 1);
     check_int("and written now", bus_cause(&bus, WIRE_PARAM_WRITE), CAUSE_UNKNOWN);
-    bus_set(&bus, SHAFT_M1, 0.5);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SHAFT_M1, 0.5);
     check_int("the others are as before", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
 }
 

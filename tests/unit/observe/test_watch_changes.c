@@ -138,14 +138,11 @@ TEST(watch_changes_reset)
     uint64_t tick = now();
     bus_order(&bus, CONTROL_START);
     check_next_frame("a reset", tick + 1);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
-    bus_order(&bus, CONTROL_RESET);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
+    bus_order_now(&bus, CONTROL_RESET);
     check_near("STATUS: cleared by a reset", bus_value(&bus, WIRE_STATUS, STATUS_WATCH), 0, 0);
     tick = now();
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_START);
     check_int("outside as before", (int64_t)bus.app.watch.tick, (int64_t)tick + 1);
     check_near("by the second change", bus.app.watch.value, 2.0, 0.0);
 }
@@ -159,8 +156,7 @@ TEST(watch_changes_timeout)
         start_changes(driven);
         bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, 10.0);
         bus_set(&bus, SETTING_FIRST + SET_REACTION, reactions[k / 2]);
-        bus_set(&bus, SETTING_FIRST + SET_REACTION_RAMP_S, 0.002);
-        bus_run(&bus, 1);
+        bus_set_now(&bus, SETTING_FIRST + SET_REACTION_RAMP_S, 0.002);
         while (bus.app.count[DIAG_TIMEOUTS] == 0 && !bus.app.watch.tripped)
             bus_silent(&bus, 1);
         check_int("a time-out, trips", bus.app.count[DIAG_WATCH_TRIPS], ended);

@@ -171,9 +171,8 @@ static const char *page_of(int n_rows, const struct listen_event *e, int n_event
 
 static void check_says(const char *text, const char *words, bool wanted)
 {
-    char what[160];
-    snprintf(what, sizeof what, "%s: %s", wanted ? "says" : "does not say", words);
-    check_int(what, strstr(text, words) != NULL, wanted);
+    check_int(check_name("%s: %s", wanted ? "says" : "does not say", words), strstr(text, words) != NULL,
+              wanted);
 }
 
 TEST(log_report_without_an_event)

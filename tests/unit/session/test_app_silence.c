@@ -53,11 +53,9 @@ static void turn(struct pace *p)
 
 static void begin_paced(enum overrun_policy policy, unsigned timeout, struct pace *p)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
-    bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, timeout);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, timeout);
     bus_forget(&bus);
     p->next = bus.app.frame;
     p->time_us = p->next * PERIOD_US;

@@ -69,8 +69,7 @@ static int queue_up(struct frame queue[QUEUE], uint64_t frame0, uint64_t tick0)
 static void outage(enum reaction reaction, enum plant_state expected)
 {
     static struct frame queue[QUEUE];
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_REACTION, reaction);
     bus_drive(&bus, RIG_FORCE, 10.0, 180.0, 0.0, 0.01);
     bus_fire(&bus, 1, false, 160, 7);
@@ -114,8 +113,7 @@ TEST(app_outage_queue)
         outage((enum reaction)r, r == REACTION_FREEZE ? STATE_FROZEN : STATE_RUNNING);
     }
     /* An outage shorter than the time-out: the session goes on, but what named the past is late. */
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 10);
     bus_drive(&bus, RIG_FORCE, 10.0, 180.0, 0.0, 0.0);
     bus_run(&bus, 1);
@@ -136,8 +134,7 @@ TEST(app_outage_queue)
 static void standstill(enum overrun_policy policy, uint32_t missed)
 {
     static struct frame queue[QUEUE];
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
     bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_FREEZE);
     bus_run(&bus, 20);
@@ -169,9 +166,8 @@ TEST(app_outage_of_plant)
 
 TEST(app_repeated)
 {
-    const struct app_config c = bus_config();
     struct frame f;
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 1);
     bus_encode(&bus, WIRE_ARM, (double[WIRE_FIELDS]){0, ARM_AMPLITUDE, 5.0}, &f);
     for (int i = 0; i < 4; i++)
@@ -205,13 +201,12 @@ TEST(app_repeated)
 
 TEST(app_late_horizon)
 {
-    const struct app_config c = bus_config();
     const int64_t offset[] = {-1,         -1000,      0, 1, 5000 * BUS_TICKS, 5000 * BUS_TICKS + 1,
                               2000000000, -2000000000};
     const int cause[] = {CAUSE_LATE, CAUSE_LATE,  CAUSE_OK,    CAUSE_OK,
                          CAUSE_OK,   CAUSE_STALE, CAUSE_STALE, CAUSE_LATE};
     for (int i = 0; i < 8; i++) {
-        bus_start_running(&bus, &c);
+        bus_start_rig(&bus);
         bus_run(&bus, 100);
         bus_arm(&bus, 0, ARM_AMPLITUDE, 1.0);
         bus_forget(&bus);
@@ -233,8 +228,7 @@ TEST(app_late_horizon)
     bus_stream(&bus, 0, bus.app.plant.now.tick / BUS_TICKS + 65, 1.0);
     bus_run(&bus, 1);
     check_int("STREAM 65 frames ahead, horizon 5000", bus_cause(&bus, WIRE_STREAM), CAUSE_STALE);
-    bus_set(&bus, SETTING_FIRST + SET_HORIZON_FRAMES, 10);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_HORIZON_FRAMES, 10);
     bus_forget(&bus);
     bus_stream(&bus, 0, bus.app.plant.now.tick / BUS_TICKS + 10, 1.0);
     bus_run(&bus, 1);
@@ -250,11 +244,9 @@ TEST(app_late_horizon)
 /* Ages are counted in bus frames: they go on while plant time stands. */
 TEST(app_age_while_frozen)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 5);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
     uint64_t tick = bus.app.plant.now.tick;
     struct frame old;
     bus_encode(&bus, WIRE_CONTROL,
@@ -287,8 +279,7 @@ TEST(app_forgets)
         bus_stream(&bus, RIG_FORCE, 3000 / BUS_TICKS, 5.0);
         bus_drive(&bus, RIG_FAST_FORCE, 10.0, 100.0, 0.0, 0.0);
         if (i == 1)
-            bus_order(&bus, CONTROL_PAUSE);
-        bus_run(&bus, 1);
+            bus_order_now(&bus, CONTROL_PAUSE);
         if (i < 2)
             bus_order(&bus, i == 0 ? CONTROL_STOP : CONTROL_RESET);
         if (i == 2)
@@ -314,9 +305,8 @@ TEST(app_forgets)
 
 TEST(app_bad_frames)
 {
-    const struct app_config c = bus_config();
     struct frame f, bad;
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 3);
     struct rest before = rest_of(&bus.app);
     uint32_t received = bus.app.count[DIAG_FRAMES_RECEIVED];

@@ -182,10 +182,10 @@ static void check_cell(enum command which, enum plant_state state)
     bus_forget(&bus);
     command(which);
     bus_silent(&bus, 1);
-    snprintf(name, sizeof name, "%s in %s: answer", table[which].name, state_name[state]);
-    check_int(name, bus_cause(&bus, table[which].kind), answer_of(which, state));
-    snprintf(name, sizeof name, "%s in %s: next state", table[which].name, state_name[state]);
-    check_int(name, bus.app.state, strchr(letters, table[which].next[state]) - letters);
+    check_int(check_name("%s in %s: answer", table[which].name, state_name[state]),
+              bus_cause(&bus, table[which].kind), answer_of(which, state));
+    check_int(check_name("%s in %s: next state", table[which].name, state_name[state]), bus.app.state,
+              strchr(letters, table[which].next[state]) - letters);
 }
 
 TEST(app_state_table)
@@ -276,8 +276,7 @@ TEST(app_session)
 /* A second controller that knows nothing of our counters speaks all the time: it changes nothing for us. */
 TEST(app_stranger)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_run(&bus, 1);
     uint8_t ours[WIRE_COMMANDS];
     for (int i = 0; i < 40; i++) {

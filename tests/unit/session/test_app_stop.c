@@ -5,6 +5,7 @@
 #include <string.h>
 #include "firmware/app/session.h"
 #include "tests/fixture/bus.h"
+#include "tests/fixture/silent_bus.h"
 #include "tests/unit/test.h"
 
 enum {
@@ -138,24 +139,6 @@ static int net_recv(void *context, struct frame *f)
             hold(&held_before);
         return 1;
     }
-    return 0;
-}
-
-static int net_send(void *context, const struct frame *f)
-{
-    (void)context;
-    (void)f;
-    return 1;
-}
-
-static void net_nothing(void *context)
-{
-    (void)context;
-}
-
-static uint32_t net_now(void *context)
-{
-    (void)context;
     return 0;
 }
 
@@ -308,7 +291,7 @@ static void schedule(uint64_t seed)
     memset(&net, 0, sizeof net);
     memset(&us, 0, sizeof us);
     net.seed = seed;
-    net.hal = (struct hal){NULL, net_recv, net_send, net_nothing, net_now, net_nothing};
+    net.hal = (struct hal){NULL, net_recv, silent_send, silent_nothing, silent_clock, silent_nothing};
     if (app_init(&stopped_app, &c, &net.hal))
         check_true("app_init", 0);
     stopped_app.setting[SET_TIMEOUT_FRAMES] = 60;
@@ -362,14 +345,12 @@ static struct bus bus;
 /* The effects of a STOP: on the bus, and for a controller that goes on. */
 TEST(app_stop_ends)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_drive(&bus, RIG_FORCE, 10.0, 100.0, 0.0, 0.0);
     bus_fire(&bus, 1, false, 20, 0);
     bus_run(&bus, 5);
     uint64_t told = bus.app.frame; /* the frame that takes the STOP */
-    bus_order(&bus, CONTROL_STOP);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_STOP);
     check_near("STATUS: stopped", bus_value(&bus, WIRE_STATUS, STATUS_STATE), STATE_STOPPED, 0);
     check_near("STATUS: reaction stop", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_STOP, 0);
     check_near("STATUS: the session that is over", bus_value(&bus, WIRE_STATUS, SESSION), 1, 0);
@@ -394,8 +375,7 @@ TEST(app_stop_ends)
     check_near("STATUS: reaction none", bus_value(&bus, WIRE_STATUS, STATUS_REACTION), REACTION_NONE, 0);
     check_int("START of that session that echoes a frame from before", bus_cause(&bus, WIRE_CONTROL),
               CAUSE_STALE);
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_START);
     check_int("one that does not", bus.app.state, STATE_RUNNING);
     check_true("the drive that sounded before is at zero", !drive_active(&bus.app.plant.drive[RIG_FORCE]));
     session_fault(&bus.app, FAULT_OVERRUN);
@@ -408,8 +388,7 @@ TEST(app_stop_ends)
     bus_next_session(&bus);
     bus_run(&bus, 1);
     bus_order(&bus, CONTROL_RESET);
-    bus_order(&bus, CONTROL_START);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_START);
     check_int("the next one resets and runs", bus.app.state, STATE_RUNNING);
     bus.session = 1;
     bus_order(&bus, CONTROL_STOP);

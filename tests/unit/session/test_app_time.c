@@ -38,8 +38,7 @@ TEST(app_time_steps)
     const int steps[] = {1, 7, 100};
     for (int i = 0; i < 3; i++) {
         start_driven(&bus);
-        bus_order(&bus, CONTROL_PAUSE);
-        bus_run(&bus, 1);
+        bus_order_now(&bus, CONTROL_PAUSE);
         for (int done = 0; done < 100; done += steps[i]) {
             int n = done + steps[i] > 100 ? 100 - done : steps[i];
             bus_control(&bus, CONTROL_STEP, n);
@@ -75,8 +74,7 @@ TEST(app_time_until)
     uint64_t straight = hash_straight(100);
     uint64_t tick = bus.app.plant.now.tick;
     start_driven(&bus);
-    bus_order(&bus, CONTROL_PAUSE);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_PAUSE);
     bus_control(&bus, CONTROL_RUN_UNTIL, (double)tick);
     bus_run(&bus, 150);
     check_int("tick", (int64_t)bus.app.plant.now.tick, (int64_t)tick);
@@ -127,8 +125,7 @@ TEST(app_time_telemetry)
 TEST(app_time_pause)
 {
     uint64_t straight = hash_straight(100);
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_order(&bus, CONTROL_PAUSE);
     bus_run(&bus, 20);
     bus_drive(&bus, RIG_FORCE, 16.0, 215.0, 0.0, 0.02);
@@ -230,8 +227,7 @@ TEST(app_time_overrun_limit)
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_SKIP; policy++) {
         start_driven(&bus);
         bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
-        bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_HOLD);
-        bus_run(&bus, 1);
+        bus_set_now(&bus, SETTING_FIRST + SET_REACTION, REACTION_HOLD);
         int64_t tick = (int64_t)bus.app.plant.now.tick, frame = (int64_t)bus.app.frame;
         uint32_t due = app_overrun(&bus.app, 5000);
         bus_silent(&bus, (int)due);
@@ -288,8 +284,7 @@ TEST(app_time_overrun_stepping)
     for (int policy = OVERRUN_CATCH_UP; policy <= OVERRUN_FREEZE; policy++) {
         start_driven(&bus);
         bus_set(&bus, SETTING_FIRST + SET_OVERRUN_POLICY, policy);
-        bus_order(&bus, CONTROL_PAUSE);
-        bus_run(&bus, 1);
+        bus_order_now(&bus, CONTROL_PAUSE);
         int64_t tick = (int64_t)bus.app.plant.now.tick;
         bus_control(&bus, CONTROL_STEP, 10);
         bus_run(&bus, 2);
@@ -415,8 +410,7 @@ TEST(app_extended)
     check_int("29-bit identifiers: state", bus.app.state, STATE_RUNNING);
     check_int("telemetry is heard", bus_count(&bus, WIRE_MOTION), 5);
     bus.scene.extended = false;
-    bus_order(&bus, CONTROL_STOP);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_STOP);
     check_int("the same number with 11 bits is not ours", bus.app.state, STATE_RUNNING);
     const struct {
         const char *what;

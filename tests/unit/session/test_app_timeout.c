@@ -13,8 +13,7 @@ static struct bus bus;
 /* A drive of 16 N and a held sample of 8 N; the last heartbeat is the frame just run. */
 static void start_reaction(enum reaction reaction)
 {
-    const struct app_config c = bus_config();
-    bus_start_running(&bus, &c);
+    bus_start_rig(&bus);
     bus_set(&bus, SETTING_FIRST + SET_TIMEOUT_FRAMES, TIMEOUT);
     bus_set(&bus, SETTING_FIRST + SET_REACTION, reaction);
     bus_set(&bus, SETTING_FIRST + SET_REACTION_RAMP_S, 0.015625); /* 250 ticks */
@@ -164,8 +163,7 @@ TEST(app_timeout_freeze)
     const struct app_config c = bus_config();
     bus_start(&bus, &c);
     bus_run(&bus, 1);
-    bus_set(&bus, SETTING_FIRST + SET_REACTION, REACTION_FREEZE);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_REACTION, REACTION_FREEZE);
     bus_silent(&bus, 101);
     check_int("from ready: state", bus.app.state, STATE_READY);
     /* A stop is stronger. */

@@ -297,11 +297,9 @@ TEST(stages_refused)
     check_int("two at one signal", SET(1, BEFORE(0)), CAUSE_RANGE);
     check_int("half a place", SET(1, {STAGE_AT, 1.5}), CAUSE_INCOMPLETE);
     check_int("the write of it", bus_cause(&bus, WIRE_PARAM_WRITE), CAUSE_RANGE);
-    bus_set(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT, MODEL_OUTPUTS + 1.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT, MODEL_OUTPUTS + 1.0);
     check_int("lock-in on a stage that is off", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_RANGE);
-    bus_set(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT, MODEL_OUTPUTS);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_LOCKIN_OUTPUT, MODEL_OUTPUTS);
     check_int("on one that is on", bus_cause(&bus, WIRE_PARAM_COMMIT), CAUSE_OK);
     check_int("a stage that is read stays", SET(0, {STAGE_AT, 0.0}), CAUSE_RANGE);
     struct app_config few = config();
@@ -346,16 +344,14 @@ TEST(stages_reset)
     plant_sample(&bus.app.plant, RIG_FORCE, 8.0, 0);
     bus_run(&bus, 1);
     check_is("on its way", stages.result[0], <, 6.0);
-    bus_set(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
-    bus_run(&bus, 1);
+    bus_set_now(&bus, SETTING_FIRST + SET_SENSOR_SEED, 7.0);
     check_near("another seed begins it anew", stages.result[0], 8.0, 1e-12);
     plant_sample(&bus.app.plant, RIG_FORCE, 5.0, 0);
     bus_order(&bus, CONTROL_STOP);
     bus_silent(&bus, 1);
     bus_next_session(&bus);
     bus_enable(&bus, true);
-    bus_order(&bus, CONTROL_RESET);
-    bus_run(&bus, 1);
+    bus_order_now(&bus, CONTROL_RESET);
     check_near("after a reset", stages.result[0], 0.0, 0.0);
 }
 

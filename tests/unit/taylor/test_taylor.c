@@ -146,7 +146,6 @@ static void command(struct pair *p, int k)
 static void check_commands(const struct model *m, const double *paper, const char *name)
 {
     static struct pair p;
-    char text[128];
     uint32_t switches = 0;
     pair_start(&p, m, paper, 0.1, 1e-11);
     for (int k = 0; k < BLOCKS; k++) {
@@ -161,9 +160,8 @@ static void check_commands(const struct model *m, const double *paper, const cha
         plant_set_state(&p.a, m->n_contacts > 0 ? p.a.x : x); /* a cubic force lets go beyond its maximum */
         plant_set_state(&p.b, p.a.x);
     }
-    snprintf(text, sizeof text, "%s: taylor against rk4 in %d parts, all inputs, ramps and samples", name,
-             FINE);
-    check_below(text, p.worst, 2e-8);
+    check_below(check_name("%s: taylor against rk4 in %d parts, all inputs, ramps and samples", name, FINE),
+                p.worst, 2e-8);
     check_int("roots that did not converge", p.a.counts.residual, 0);
     check_int("budgets reached", p.a.counts.budget + p.a.counts.work, 0);
     if (m->n_contacts > 0)
@@ -184,7 +182,6 @@ TEST(taylor_commands)
 static void check_short(const struct model *m, const double *paper)
 {
     static struct pair p;
-    char text[128];
     uint32_t random = 1;
     int n_short = 0, n_ticks = 1200;
     pair_start(&p, m, paper, 0.06, 1e-8);
@@ -200,8 +197,8 @@ static void check_short(const struct model *m, const double *paper)
         n_short += ((struct taylor *)(void *)scratch)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
-    snprintf(text, sizeof text, "%s: taylor against rk4 in %d parts, new samples each tick", m->name, FINE);
-    check_below(text, p.worst, 2e-9);
+    check_below(check_name("%s: taylor against rk4 in %d parts, new samples each tick", m->name, FINE),
+                p.worst, 2e-9);
     check_above("share of ticks with one short series", (double)n_short / n_ticks, 0.7);
     check_above("contact switches on the way", p.a.counts.switches, 10);
 }
@@ -222,7 +219,6 @@ static void check_brief(const struct model *m, const double *paper)
 {
     enum { TICKS = 300 };
     static struct pair p;
-    char text[128];
     int n_steady = 0, n_ramp = 0;
     const double tol = 1e-4; /* relative to so small a motion; 16 times that is asked for */
     pair_start(&p, m, paper, 0.42, 16.0 * tol);
@@ -236,8 +232,8 @@ static void check_brief(const struct model *m, const double *paper)
         *(k < TICKS ? &n_steady : &n_ramp) += ((struct taylor *)(void *)scratch)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
-    snprintf(text, sizeof text, "%s: error of a tick of short series over the tolerance", m->name);
-    check_below(text, p.worst / tol, 0.35); /* the error of the rate, per time unit, over a tick of 0.35 */
+    check_below(check_name("%s: error of a tick of short series over the tolerance", m->name), p.worst / tol,
+                0.35); /* the error of the rate, per time unit, over a tick of 0.35 */
     check_above("share of steady ticks with one short series", (double)n_steady / TICKS, 0.9);
     check_above("share of ticks in a ramp with one short series", (double)n_ramp / TICKS, 0.9);
     check_int("contact switches on the way", (long long)p.a.counts.switches, 0);
@@ -261,7 +257,6 @@ static void check_cubic(const struct model *m, int other, double tick, double to
     enum { TICKS = 300 };
     static struct pair p;
     double paper[MODEL_PARAMETERS];
-    char text[128];
     int n_short = 0;
     paper_of(m, paper);
     pair_start(&p, m, paper, tick, tol);
@@ -273,9 +268,10 @@ static void check_cubic(const struct model *m, int other, double tick, double to
         n_short += ((struct taylor *)(void *)scratch)->kind == TAYLOR_NONE;
         plant_set_state(&p.b, p.a.x);
     }
-    snprintf(text, sizeof text, "%s%s%s: error of a tick of %g by short series over the tolerance %g",
-             m->name, other < 0 ? "" : ", moving ", other < 0 ? "" : m->input_signal[other].name, tick, tol);
-    check_below(text, p.worst / (tol * tick), 1.0);
+    check_below(check_name("%s%s%s: error of a tick of %g by short series over the tolerance %g", m->name,
+                           other < 0 ? "" : ", moving ", other < 0 ? "" : m->input_signal[other].name, tick,
+                           tol),
+                p.worst / (tol * tick), 1.0);
     check_above("share of ticks with one short series", n_short / (2.0 * TICKS), 0.9);
 }
 

@@ -23,7 +23,7 @@ static void free_rig(struct plant *pl, double eta_max, double h, double tol)
     double paper[MODEL_PARAMETERS], state[2] = {1.5 * eta_max - 1.5, 0.0};
     paper_defaults(&hertz_rig, paper);
     paper[0] = 0.0; /* xi */
-    trajectory_start(pl, &hertz_rig, &taylor, tol, scratch, paper, h, state);
+    paper_start_by(pl, &hertz_rig, &taylor, tol, scratch, paper, h, state);
 }
 
 static double energy(double eta, double v)
@@ -50,14 +50,12 @@ static double worst_energy(struct plant *pl, double h, int periods)
 static void check_branch(double tol)
 {
     double limit = pow(2.5, 2.0 / 3.0), worst = 0.0;
-    char text[128];
     for (int k = 0; k < 60; k++) {
         struct plant pl;
         free_rig(&pl, limit * (1.0 - 1e-4 * (k + 1)), 0.4, tol);
         worst = fmax(worst, worst_energy(&pl, 0.4, 3));
     }
-    snprintf(text, sizeof text, "tol %.0e: worst energy error over tol near grazing", tol);
-    check_below(text, worst / tol, 50.0);
+    check_below(check_name("tol %.0e: worst energy error over tol near grazing", tol), worst / tol, 50.0);
 }
 
 /* Contact is just lost, or just not: eta_max within 1e-3 .. 1e-12 of (5/2)^{2/3}, where it is. The free
@@ -70,12 +68,11 @@ TEST(taylor_grazing)
     for (int k = 3; k <= 12; k++) {
         for (int side = -1; side <= 1; side += 2) {
             struct plant pl;
-            char text[128];
             double away = side * pow(10.0, -k);
             free_rig(&pl, limit * (1.0 + away), 0.11, 1e-10);
             double error = worst_energy(&pl, 0.11, 30);
-            snprintf(text, sizeof text, "eta_max %+.0e from grazing: worst energy error in 30 periods", away);
-            check_below(text, error, 3e-9);
+            check_below(check_name("eta_max %+.0e from grazing: worst energy error in 30 periods", away),
+                        error, 3e-9);
             if (k <= 6) /* nearer than that, the tolerance decides */
                 check_int("contact switches", pl.counts.switches, side > 0 ? 60 : 0);
             check_int("roots that did not converge, budgets reached",
@@ -139,7 +136,7 @@ TEST(taylor_escape)
     paper[TIP_PAPER_R] = 0.0;
     paper[TIP_PAPER_F] = 0.0;
     paper[TIP_PAPER_SIGN] = 1.0;
-    trajectory_start(&pl, &afm_tip, &taylor, 1e-9, scratch, paper, h, u);
+    paper_start_by(&pl, &afm_tip, &taylor, 1e-9, scratch, paper, h, u);
     while (ticks < 2000 && plant_run(&pl, 1))
         ticks++;
     double expected = escape_time(2.3, -(2.0 / 3.0) * 0.8);
@@ -151,12 +148,12 @@ TEST(taylor_escape)
     check_int("counted", pl.counts.not_finite, 1);
     check_true("and the plant stays there", !plant_run(&pl, 1) && isfinite(pl.x[0]));
     u[0] = -1.1; /* inside the saddle at u = -1.1614: it swings, and stays */
-    trajectory_start(&pl, &afm_tip, &taylor, 1e-9, scratch, paper, h, u);
+    paper_start_by(&pl, &afm_tip, &taylor, 1e-9, scratch, paper, h, u);
     check_true("inside the saddle the tip stays", plant_run(&pl, 20000));
     plant_set_state(&pl, (double[]){(double)NAN, 0.0});
     check_true("a state that is no number is refused", !plant_run(&pl, 1));
     paper_defaults(&hertz_rig_cubic, paper);
-    trajectory_start(&pl, &hertz_rig_cubic, &taylor, 1e-9, scratch, paper, h, (double[]){12.0, 0.0});
+    paper_start_by(&pl, &hertz_rig_cubic, &taylor, 1e-9, scratch, paper, h, (double[]){12.0, 0.0});
     ticks = 0;
     while (ticks < 2000 && plant_run(&pl, 1))
         ticks++;

@@ -98,13 +98,12 @@ static void check_order(const struct model *m, double tick, double tol)
 {
     static const double start[2] = {1.1, 0.05};
     double x[2] = {start[0], start[1]}, y[2] = {start[0], start[1]};
-    char text[96];
     struct crossing c;
     prepare(m, tick, 8.0 * tol); /* a motion of a tenth is allowed an eighth of it */
     const struct segment e = {.length = tick, .changed = true};
     check_int(m->name, taylor.bind(m)(m, p, scratch, &e, 1, x, &c), STEP_END);
-    snprintf(text, sizeof text, "a tick of %g at %g takes one short series", tick, tol);
-    check_near(text, state()->kind, TAYLOR_NONE, 0.0);
+    check_near(check_name("a tick of %g at %g takes one short series", tick, tol), state()->kind, TAYLOR_NONE,
+               0.0);
     fine(m, tick, y);
     check_below("its error over the tolerance", fmax(fabs(x[0] - y[0]), fabs(x[1] - y[1])) / (tick * tol),
                 1.0);
