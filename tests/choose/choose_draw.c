@@ -12,30 +12,13 @@
 #include "models/hertz_rig.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
+#include "tests/fixture/draw.h"
 
 /* Compression by linear theory, over the static one or the gap: from what sensors still see to bouncing.
  * Attracting tips, of which the larger ones would escape, a tenth of it. */
 static const double least = 1e-3, most = 3.0, attracted = 0.1;
 
 static double kick = 0.5; /* at most, of the static compression */
-
-static uint64_t state;
-
-static double uniform(double low, double high)
-{
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * ((double)(state >> 11) / 9007199254740992.0);
-}
-
-static double spread(double low, double high)
-{
-    return exp(uniform(log(low), log(high)));
-}
-
-static bool chance(double share)
-{
-    return uniform(0.0, 1.0) < share;
-}
 
 /* A rig of its own size, some with a fast drive, some kicked. */
 static void random_rig(struct scene *s)

@@ -19,24 +19,7 @@
 #include "tests/choose/choose_judge.h"
 #include "tests/choose/choose_out.h"
 #include "tests/choose/lever_judge.h"
-
-static uint64_t state;
-
-static double uniform(double low, double high)
-{
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * ((double)(state >> 11) / 9007199254740992.0);
-}
-
-static double spread(double low, double high)
-{
-    return exp(uniform(log(low), log(high)));
-}
-
-static bool chance(double part)
-{
-    return uniform(0.0, 1.0) < part;
-}
+#include "tests/fixture/draw.h"
 
 static void draw_lever(struct scene *s)
 {

@@ -55,6 +55,24 @@ has() {
     verdict "$1" $? "no \"$3\" in: $(tail -n 3 "$2")"
 }
 
+# runs STATUS NAME ARGUMENTS...: the exit status; what it says is in $dir/out and $dir/err.
+runs() {
+    wanted=$1
+    name=$2
+    shift 2
+    "$program" "$@" >"$dir/out" 2>"$dir/err"
+    is "$name" $? "$wanted"
+}
+
+# replays NAME LOG ARGUMENTS...: the log replays to the hash that the plant NAME has printed.
+replays() {
+    name=$1
+    shift
+    "$program" replay "$@" >"$dir/out" 2>&1
+    is "the log of $name replays, status" $? 0
+    is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/$name.out")"
+}
+
 # Ends what should be refused and runs instead: whatever is in $dir/refusing for a minute.
 watch_refusals() {
     trap 'kill $!; exit' TERM
@@ -329,11 +347,9 @@ refuses 2 "nosuch" simulate --out "$dir/nosuch/x.csv"
 refuses 1 "out is not complete" simulate --set xi=0 --until 1000 --every 0.1 --out /dev/full
 refuses 1 "events is not complete" simulate --set xi=0 --state 2,0 --at 20 --out "$dir/x.csv" --events /dev/full
 plant first $port
-"$program" run --bus udp:$port --duration 1 >"$dir/out" 2>"$dir/err"
-is "a port in use, status" $? 1
+runs 1 "a port in use, status" run --bus udp:$port --duration 1
 has "a port in use, said" "$dir/err" "in use"
-"$program" run --bus udp:$((port + 4)) --duration 0.3 --log /dev/full >"$dir/out" 2>"$dir/err"
-is "a full disk for the log, status" $? 1
+runs 1 "a full disk for the log, status" run --bus udp:$((port + 4)) --duration 0.3 --log /dev/full
 has "a full disk for the log, said" "$dir/err" "No space left"
 has "a full disk for the log, the report still comes" "$dir/out" "wake-up lateness"
 echo '(0000000000.000000) udp 210#00' | tr -d '\n' >"$dir/cut.log"
@@ -381,8 +397,7 @@ is "SIGHUP ends it as Ctrl-C does: status" $? 0
 has "the report comes" "$dir/lonely.out" "hash"
 "$program" replay "$dir/lonely.log" >"$dir/out" 2>&1
 is "and its log replays, status" $? 0
-"$program" run --bus udp:$((port + 4)) --peer 192.0.2.1:9 --duration 0.3 >"$dir/out" 2>"$dir/err"
-is "a peer without a route, status" $? 0
+runs 0 "a peer without a route, status" run --bus udp:$((port + 4)) --peer 192.0.2.1:9 --duration 0.3
 has "is told with the reason" "$dir/err" "cannot send to the peer 192.0.2.1:9"
 is "once" "$(grep -c "cannot send to the peer" "$dir/err")" 1
 has "and counted" "$dir/out" "^tx_unsent  *[1-9]"
@@ -440,9 +455,7 @@ for list in refuse=0.3 refuse=1@0:0.5 bus-off@0.2:0.4 refuse=0.2,bus-off@0.1:0.2
     plant bad $port --faults $list --log "$dir/bad.log"
     speak 1 $port send start --hold 0.3 >"$dir/out" 2>&1
     ends "$pid"
-    "$program" replay "$dir/bad.log" >"$dir/out" 2>&1
-    is "a log under $list replays, status" $? 0
-    is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/bad.out")"
+    replays bad "$dir/bad.log"
 done
 if setpriv --reuid=65534 --clear-groups "$program" list methods >/dev/null 2>&1; then
     setpriv --reuid=65534 --clear-groups sh -c "ulimit -r 0; ulimit -l 0; exec \"$program\" run --realtime --duration 0.2 \
@@ -494,8 +507,7 @@ frequency = 300 Hz
 amplitude = 10 nm
 frequency = 450 Hz
 EOF
-"$program" basin "$dir/three.ini" --starts 20 --out "$dir/three.csv" >"$dir/out" 2>"$dir/err"
-is "three frequencies of force, status" $? 0
+runs 0 "three frequencies of force, status" basin "$dir/three.ini" --starts 20 --out "$dir/three.csv"
 has "three frequencies of force, both attractors" "$dir/out" "^20 starts, 2 attractors"
 "$program" basin shaft --starts 6 --method rk4 --out "$dir/shaft.csv" >"$dir/out" 2>"$dir/err"
 has "a symmetric shaft closes two contacts at once, and rk4 locates both" "$dir/out" "^1 *6 *100.000 %.* symmetric$"
@@ -548,8 +560,7 @@ refuses 2 "torn.csv:60: a row of another map" basin "$dir/rig.ini" --rows "$dir/
 "$program" basin "$dir/rig.ini" --starts 1 >/dev/full 2>"$dir/err"
 is "a full disk for the rows, status" $? 1
 has "a full disk for the rows, said" "$dir/err" "cannot be written"
-"$program" basin "$dir/rig.ini" --rows "$dir/whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
-is "a full disk for the picture, status" $? 1
+runs 1 "a full disk for the picture, status" basin "$dir/rig.ini" --rows "$dir/whole.csv" --svg /dev/full
 has "a full disk for the picture, said" "$dir/err" "the rows are complete"
 interrupted 0 "$dir/long.csv" basin shaft-fig9 --starts 100000
 is "Ctrl-C, status" $? 1
@@ -614,8 +625,7 @@ refuses 2 "n/m above 0" sweep rig --harmonics 0
 "$program" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" --out "$dir/old.csv" 2>/dev/null
 { head -1 "$dir/old.csv"; sed -n '2s/^[0-9a-f]*/14841f25/p' "$dir/old.csv"; } >"$dir/older.csv"
 refuses 2 "not of this run" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" --out "$dir/older.csv"
-"$program" sweep shaft-fig9 --sweep freq_hz=24:26:3 >"$dir/out" 2>"$dir/err"
-is "a chaotic sweep: status" $? 0
+runs 0 "a chaotic sweep: status" sweep shaft-fig9 --sweep freq_hz=24:26:3
 has "what did not settle is said" "$dir/err" "not settled: 6 points; no jump looked for between freq_hz = 24 and 26"
 is "and stands in the rows" "$(grep -c ",unsettled," "$dir/out")" 6
 "$program" sweep rig --set damping=0 --sweep force.frequency=200:230:2 --settle 3 --out "$dir/unsettled.csv" >"$dir/out" 2>/dev/null
@@ -774,11 +784,9 @@ is "levels that nothing crosses have no mean stay" "$(grep -c '^exceedance,[^,]*
     "$(grep -c '^crossing_rate,.*,0,0,' "$dir/m_stat.csv") 0"
 has "with standard errors and the closed form" "$dir/m_stat.csv" "^kind,at,value,standard_error,closed_form"
 has "and drawn" "$dir/m.svg" "closed form"
-"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --statistics /dev/full >"$dir/out" 2>"$dir/err"
-is "a full disk for the sums, status" $? 1
+runs 1 "a full disk for the sums, status" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --statistics /dev/full
 has "a full disk for the sums, said" "$dir/err" "the rows are complete"
-"$program" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg /dev/full >"$dir/out" 2>"$dir/err"
-is "no place for the picture, status" $? 1
+runs 1 "no place for the picture, status" random nayak-random --seeds 40 --over 1500 --out "$dir/m_whole.csv" --svg /dev/full
 has "no place for the picture, said" "$dir/err" "the rows are complete, give the same command"
 "$program" stability hertz_rig >/dev/full 2>"$dir/err"
 is "a full disk for rows, status" $? 1
@@ -851,8 +859,7 @@ is "a sound scene gets no warning" "$(grep -c warning "$dir/err")" 0
 near "penetration at rest, m" "$(sed -n 2p "$dir/preset.csv" | cut -d, -f4)" 7.0762098645e-6 1e-14
 "$program" simulate rig --set preload_N=100 --drive force=0,0,0 --at 0,0.01 >"$dir/out" 2>"$dir/err"
 near "options stand above the scene" "$(tail -n 1 "$dir/out" | cut -d, -f4)" 9.5282700038e-6 1e-14
-"$program" simulate kb-fig7 >"$dir/out" 2>"$dir/err"
-is "a scene that escapes, status" $? 3
+runs 3 "a scene that escapes, status" simulate kb-fig7
 has "and was warned of, with paper and reason" "$dir/err" "warning: Kirrou & Belhaq 2013 .*escapes"
 is "a paper's scene has the paper's states" "$(head -n 1 "$dir/out")" "t,q,q_dot,penetration"
 # q at the first times of an independent reference trajectory of the same equation and parameters, from 0.05
@@ -863,8 +870,7 @@ near "kb-fig16 at t = 10" "$(sed -n 3p "$dir/out" | cut -d, -f2)" -7.96195363421
 "$program" simulate nayak-random --at 100 2>/dev/null | tail -n 1 >"$dir/last"
 near "noise of a scene does not depend on the rows" "$(tail -n 1 "$dir/out" | cut -d, -f4)" "$(cut -d, -f4 "$dir/last")" 1e-9
 sed -n '/^```ini/,/^```$/p' docs/guide/scenes.md | sed '1d;$d' >"$dir/manual.ini"
-"$program" simulate "$dir/manual.ini" --until 0.1 >"$dir/out" 2>"$dir/err"
-is "the manual's example runs" $? 0
+runs 0 "the manual's example runs" simulate "$dir/manual.ini" --until 0.1
 cp "$program" "$dir/binary.ini"
 mkdir "$dir/folder.ini"
 printf '[plant]\nmodel = hertz_rig\nmas = 3 kg\n' >"$dir/key.ini"
@@ -1011,8 +1017,7 @@ has "scan: warns with the number" "$dir/err" "warning: a pixel of 1 ms is shorte
 "$program" scan --set surface=2 --set surface_height="50 nm" --set height="100 nm" --set ki=3000 --set pixels=32 --set lines=1 --set crash="50 nN" --out "$dir/scan" >"$dir/out" 2>"$dir/err"
 has "scan: a crash has its peak force and its place" "$dir/out" "[1-9] crashes above 50 nN.*the last crash had [0-9.]* nN, at x [0-9.]* nm"
 grating="--set surface=2 --set pixels=32 --set lines=6 --set pixel_s=3e-3"
-"$program" scan $grating --set surface_height="4 nm" --out "$dir/scan" >"$dir/out" 2>"$dir/err"
-is "scan, status" $? 0
+runs 0 "scan, status" scan $grating --set surface_height="4 nm" --out "$dir/scan"
 has "scan: verdict" "$dir/out" "largest force .* nN, 0 crashes"
 is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error height peak_force phase; do echo $i.gsf $i.png ${i}_back.gsf ${i}_back.png; done | xargs)"
 is "scan: 32 x 6 values of a square micrometre are 32 x 32 square dots" "$(od -An -tu1 -j16 -N8 "$dir/scan/height.png" | xargs)" "0 0 0 32 0 0 0 32"
@@ -1037,8 +1042,7 @@ uncut=$!
 scanning=$!
 children="$children $uncut $scanning"
 for i in $(seq 400); do [ -e "$dir/cut/scan.part" ] && break; sleep 0.05; done
-"$program" $cut --out "$dir/cut" >"$dir/out" 2>"$dir/err"
-is "scan: another one in its directory, status" $? 1
+runs 1 "scan: another one in its directory, status" $cut --out "$dir/cut"
 has "scan: and the reason" "$dir/err" "another scan is writing there"
 kill -9 $scanning
 wait $scanning $uncut
@@ -1052,8 +1056,7 @@ refuses 1 "is damaged: bytes are missing" $cut --out "$dir/cut"
 echo hello >"$dir/cut/scan.part"
 refuses 1 "is no scan" $cut --out "$dir/cut"
 cp "$dir/part" "$dir/cut/scan.part"
-"$program" $cut --out "$dir/cut" >"$dir/out" 2>"$dir/err"
-is "scan: the same command goes on, status" $? 0
+runs 0 "scan: the same command goes on, status" $cut --out "$dir/cut"
 has "scan: and says where" "$dir/err" "goes on in line [0-9]* of 12"
 diff -r "$dir/whole" "$dir/cut" >"$dir/out"
 verdict "scan: cut off and taken up, equal bytes and nothing left over" $? "$(cat "$dir/out")"
@@ -1078,8 +1081,7 @@ printf '\000\000\300\177' | dd of="$dir/nan.gsf" bs=1 seek=$(($(stat -c %s "$dir
 refuses 2 "no number, in row 6, column 32" scan --surface "$dir/nan.gsf"
 printf 'x' >>"$dir/scan/height.gsf"
 refuses 2 "wrong size" scan --surface "$dir/scan/height.gsf"
-"$program" demo afm --out "$dir/demo" >"$dir/out" 2>"$dir/err"
-is "demo afm, status" $? 0
+runs 0 "demo afm, status" demo afm --out "$dir/demo"
 has "demo afm: verdicts" "$dir/out" "^scan: largest force [12].* nN, 0 crashes above 100 nN; off the surface in [1-4]\\.. %"
 is "demo afm: three images in the picture" "$(grep -c 'data:image/png;base64' "$dir/demo/afm.svg")" 3
 has "demo afm: parachuting is shaded" "$dir/demo/afm.svg" 'fill="#d55e00" fill-opacity=".13"'
@@ -1139,14 +1141,11 @@ has "run says what tripped, and that it climbed" "$dir/watch.out" "^watch: penet
 has "and counts it" "$dir/watch.out" "^watch_trips  *1 "
 has "monitor names the event" "$dir/watch.seen" "WATCH  *OBSERVABLE=penetration TICK=[0-9]* tick VALUE=-.* m$"
 has "and the flag" "$dir/watch.seen" "STATUS.* WATCH=on"
-"$program" replay "$dir/watch.log" "$dir/watch.ini" --promote $patient >"$dir/out" 2>&1
-is "its log replays with --promote, status" $? 0
-is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/watch.out")"
+replays watch "$dir/watch.log" "$dir/watch.ini" --promote $patient
 refuses 1 "recorded.*replay sent" replay "$dir/watch.log" "$dir/watch.ini" $patient
 
 echo "--- choose"
-"$program" choose rig --json "$dir/rig.json" --out "$dir/fast.ini" >"$dir/out" 2>"$dir/err"
-is "choose, status" $? 0
+runs 0 "choose, status" choose rig --json "$dir/rig.json" --out "$dir/fast.ini"
 has "says what it chose" "$dir/out" "^CHOSEN .* hertz_rig by "
 has "why a reduced model was refused" "$dir/out" "hertz_rig_linear is refused: "
 has "what it costs on a board" "$dir/out" "mps2-an500"
@@ -1194,9 +1193,7 @@ ends $listener
 twice=$(awk 'BEGIN { printf "%.2f", 2 * sqrt(1.5 * 3.4e9^(2 / 3) * 64^(1 / 3) / 6.5) / (8 * atan2(1, 1)) }')
 has "a quarter of it trips: twice the eigenfrequency" "$dir/step.seen" "WATCH  *OBSERVABLE=eigenfrequency TICK=[0-9]* tick VALUE=$twice[0-9]* Hz$"
 has "run says so" "$dir/step.out" "^watch: eigenfrequency was $twice[0-9]* Hz at tick [0-9]*, outside its limits; the model is hertz_rig$"
-"$program" replay "$dir/step.log" "$dir/step.ini" $patient >"$dir/out" 2>&1
-is "its log replays, status" $? 0
-is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/step.out")"
+replays step "$dir/step.log" "$dir/step.ini" $patient
 "$program" choose bbp-fig5-base-slow >"$dir/out" 2>"$dir/err"
 has "a paper's range is warned of" "$dir/err" "^contactplant choose: warning: Bichri, Belhaq"
 "$program" choose shaft --sweep force2=24,40,3 --tolerance 0.1 --json "$dir/swept.json" >"$dir/out" 2>"$dir/err"
@@ -1204,25 +1201,21 @@ is "frequencies of a sweep are warned of, once" "$(grep -c "warning: the shaft-b
 has "in its JSON, too" "$dir/swept.json" '"warnings": ."the shaft-bearing paper errs: [^,]* 41.3 Hz, not 36 Hz".,'
 "$program" choose kb-fig16 >"$dir/out" 2>"$dir/err"
 has "a dimensionless scene is measured in the paper's units" "$dir/out" "An error of 1 is 0.6015 in the paper's"
-"$program" choose kb-fig16 --tolerance 1e-15 --json "$dir/none.json" >"$dir/out" 2>"$dir/err"
-is "a tolerance that nothing meets, status" $? 1
+runs 1 "a tolerance that nothing meets, status" choose kb-fig16 --tolerance 1e-15 --json "$dir/none.json"
 has "the closest is shown" "$dir/out" "^CLOSEST"
 has "and said to be no more than that" "$dir/out" "^REFUSED *Nothing meets the tolerance of 1e-15: the full model itself is known to "
 /usr/bin/python3 -m json.tool "$dir/none.json" >/dev/null
 verdict "its JSON is sound" $?
 sed 's/^cost = [^#]*/cost = 1 ns /' "$dir/rig.ini" >"$dir/hurry.ini"
-"$program" choose "$dir/hurry.ini" >"$dir/out" 2>"$dir/err"
-is "a deadline that nothing meets, status" $? 1
+runs 1 "a deadline that nothing meets, status" choose "$dir/hurry.ini"
 has "the fastest is shown" "$dir/out" "^REFUSED *Nothing meets the deadline on host: the fastest takes [0-9.]* us per frame"
 "$program" choose kb-fig16-cubic --on mps2-an386 >"$dir/out" 2>&1
 has "an M4F's deadline is judged" "$dir/out" "^COST  *[0-9.]* us per frame on mps2-an386, [0-9.]* % of the "
 has "on a board with double in software the choice is another" "$dir/out" "^CHOSEN .* by rk4_float32"
 "$program" choose bbp-fig2-force --tolerance 0.01 >"$dir/out" 2>&1
 has "many contact switches under two drives, coarsely: without location" "$dir/out" "^CHOSEN *hertz_rig by rk4_unlocated"
-"$program" choose rig --sweep force.frequency=100:240:10 --tolerance 0.01 >"$dir/out" 2>"$dir/err"
-is "a sweep there and back, status" $? 0
-"$program" choose kb-fig7 >"$dir/out" 2>"$dir/err"
-is "a scene that escapes, status" $? 3
+runs 0 "a sweep there and back, status" choose rig --sweep force.frequency=100:240:10 --tolerance 0.01
+runs 3 "a scene that escapes, status" choose kb-fig7
 has "says when" "$dir/err" "the motion escapes in the full model after "
 refuses 2 "no such model, preset or file" choose nowhere
 refuses 2 "asks nothing" choose hertz_rig
@@ -1232,12 +1225,10 @@ refuses 2 "did you mean penetration" choose rig --observable penetratoin
 refuses 2 "no input of hertz_rig that the scene drives" choose rig --sweep base=1,2,3
 refuses 2 "fewer than 4 steps" choose rig --sweep force.frequency=100:20kHz:3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
-"$program" choose kb-fig16 --out "$dir/nowhere/x.ini" >"$dir/out" 2>"$dir/err"
-is "a file that cannot be written is no verdict, status" $? 2
+runs 2 "a file that cannot be written is no verdict, status" choose kb-fig16 --out "$dir/nowhere/x.ini"
 has "it says which" "$dir/err" "cannot write --out $dir/nowhere/x.ini: .*; choose another"
 "$program" scene tapping | sed 's/^over = 10 ms/over = 2 ms/' >"$dir/tapping.ini"
-"$program" choose "$dir/tapping.ini" --out "$dir/lever.ini" >"$dir/out" 2>"$dir/err"
-is "a lever, status" $? 0
+runs 0 "a lever, status" choose "$dir/tapping.ini" --out "$dir/lever.ini"
 has "by its one method" "$dir/out" "^CHOSEN .* afm_lever by modal, "
 has "it says that heat is off" "$dir/out" "without heat, as --heat was not given"
 has "in the file as well" "$dir/lever.ini" "^temperature = 0 K"
@@ -1276,9 +1267,7 @@ ends "$pid"
 ends $listener
 has "a force elsewhere trips it" "$dir/any.seen" "WATCH  *OBSERVABLE=changes TICK=[0-9]* tick VALUE=1$"
 has "and it climbs" "$dir/any.out" "^watch: changes was 1 at tick [0-9]*, outside its limits; the model is shaft_bearing$"
-"$program" replay "$dir/any.log" "$dir/any.ini" --promote $patient >"$dir/out" 2>&1
-is "its log replays, status" $? 0
-is "to the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/any.out")"
+replays any "$dir/any.log" "$dir/any.ini" --promote $patient
 printf '[plant]\nmodel = hertz_rig\n[drive force]\namplitude = 0.2 N\nfrequency = 100 Hz\n[drive stiffness]\namplitude = 0.001\nfrequency = 900 Hz\n[ask]\nobservable = displacement\nover = 0.6 s\ntolerance = 0.03\n' >"$dir/fast2.ini"
 "$program" choose "$dir/fast2.ini" --out "$dir/slow.ini" >"$dir/out" 2>&1
 has "an average does" "$dir/slow.ini" "^model = hertz_rig_averaged"
@@ -1366,9 +1355,7 @@ is "Ctrl-C: status" $? 0
 has "Ctrl-C: the report comes" "$dir/open.out" "hash"
 is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -An -c | tr -d ' ')" '\n'
 has "self-test on the bus: the drive's check passed" "$dir/open.log" " 222#..000001"
-"$program" replay "$dir/open.log" $kept >"$dir/out" 2>"$dir/err"
-is "replay of that log, status" $? 0
-is "replay ends with the run's hash" "$(sed -n 's/.*hash //p' "$dir/out")" "$(sed -n 's/.*hash \([0-9a-f]*\).*/\1/p' "$dir/open.out")"
+replays open "$dir/open.log" $kept
 refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" $kept --set damping_N_s_per_m=189
 
 echo "--- run with the method left to choose"

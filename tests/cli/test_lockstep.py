@@ -15,20 +15,11 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
 import lockstep_client  # noqa: E402
-from processes import LONG, end, end_all, free_ports, start  # noqa: E402
+from processes import LONG, end, end_all, finish, free_ports, start, until  # noqa: E402
 from verdicts import conclude, equal, verdict  # noqa: E402
 
 program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
 here = os.path.dirname(os.path.abspath(__file__))
-
-
-def until(condition):
-    """Waits for it; False when it never comes true."""
-    for _ in range(50 * LONG):
-        if condition():
-            return True
-        time.sleep(0.02)
-    return False
 
 
 def state_of(child):
@@ -59,12 +50,6 @@ def read(name):
 
 def log(name):
     return ("--log", os.path.join(directory, name))
-
-
-def finish(p):
-    """Ctrl-C for a plant whose controller is done; its status."""
-    p.send_signal(signal.SIGINT)
-    return end(p)
 
 
 def hash_of(p):

@@ -1,8 +1,10 @@
 """Ports and processes of a test: none is left when it is over."""
 import os
+import signal
 import socket
 import subprocess
 import sys
+import time
 
 children = []
 LONG = 300  # s, for what only a broken program takes
@@ -39,3 +41,32 @@ def end_all():
         if child.poll() is None:
             child.kill()
             child.wait()
+
+
+def finish(child):
+    """Ctrl-C; its status, as end."""
+    child.send_signal(signal.SIGINT)
+    return end(child)
+
+
+def until(condition, seconds=LONG):
+    """Waits for it; False when it does not come true."""
+    for _ in range(int(50 * seconds)):
+        if condition():
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def running(wanted):
+    """The processes whose command line is wanted(line): (number, line)."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open("/proc/%s/cmdline" % pid, "rb") as f:
+                line = f.read()
+        except OSError:
+            continue
+        if wanted(line):
+            found.append((pid, line))
+    return found

@@ -6,18 +6,7 @@ unset MAKEFLAGS MFLAGS MAKELEVEL WERROR
 out=$(mktemp -d) || exit 1
 trap 'rm -rf "$out"' EXIT
 object=$out/models/models.o
-passed=0
-failed=0
-
-verdict() { # condition's status, text
-    if [ "$1" = 0 ]; then
-        echo "ok    $2"
-        passed=$((passed + 1))
-    else
-        echo "FAIL  $2"
-        failed=$((failed + 1))
-    fi
-}
+. tests/house/verdict.sh
 
 built() { # how many times the object is compiled: 0 or 1; what it is, variables
     wanted=$1

@@ -5,18 +5,7 @@ set -u
 program=$1
 out=$(mktemp -d) || exit 1
 trap 'rm -rf "$out"' EXIT
-passed=0
-failed=0
-
-verdict() { # condition's status, text
-    if [ "$1" = 0 ]; then
-        echo "ok    $2"
-        passed=$((passed + 1))
-    else
-        echo "FAIL  $2"
-        failed=$((failed + 1))
-    fi
-}
+. tests/house/verdict.sh
 
 has() { # text that must be in the output, as it stands
     grep -qF -e "$1" "$out/text"

@@ -16,26 +16,13 @@ import threading
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
-from processes import children, end, end_all, free_ports, start  # noqa: E402
+from processes import children, end, end_all, finish, free_ports, start, until  # noqa: E402
 from verdicts import conclude, equal, verdict  # noqa: E402
 
 program = sys.argv[1] if len(sys.argv) > 1 else "build/contactplant"
 LONG = 60  # s, for what only a broken program takes
 ROWS = 10000
 PATIENT = ("--setting", "timeout_frames=10000", "--setting", "age_limit_frames=10000")  # a loaded machine is no lost session
-
-
-def finish(child):
-    child.send_signal(signal.SIGINT)
-    return end(child)
-
-
-def until(condition, seconds=LONG):
-    for _ in range(int(seconds * 50)):
-        if condition():
-            return True
-        time.sleep(0.02)
-    return False
 
 
 def at(offset):

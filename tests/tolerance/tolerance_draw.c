@@ -10,26 +10,9 @@
 #include "models/models.h"
 #include "models/reduced/shaft_mode.h"
 #include "models/shaft_bearing.h"
-#include "tests/fixture/exact.h"
+#include "tests/fixture/draw.h"
 
 enum { TICKS_MAX = 8000, FAST_PERIODS_MAX = 300 };
-
-static uint64_t state;
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * exact_uniform(&state);
-}
-
-static double spread(double low, double high)
-{
-    return exp(uniform(log(low), log(high)));
-}
-
-static bool chance(double share)
-{
-    return uniform(0.0, 1.0) < share;
-}
 
 /* Damping from light to a fifth of critical; tips of either sign. */
 static void draw_parameters(struct tolerance_scene *s)

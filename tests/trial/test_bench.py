@@ -14,6 +14,7 @@ import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from processes import running  # noqa: E402
 from verdicts import conclude, verdict  # noqa: E402
 
 build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
@@ -52,15 +53,7 @@ def test(*arguments, **more):
 
 def left():
     """Processes that a controller left, by their command line."""
-    found = []
-    for pid in filter(str.isdigit, os.listdir("/proc")):
-        try:
-            with open("/proc/%s/cmdline" % pid, "rb") as f:
-                if f.read() == MARK.replace(" ", "\0").encode() + b"\0":
-                    found.append(pid)
-        except OSError:
-            pass
-    return found
+    return running(lambda line: line == MARK.replace(" ", "\0").encode() + b"\0")
 
 
 # ---- controllers that harm the bench ----

@@ -18,6 +18,7 @@ import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
+from processes import running  # noqa: E402
 from verdicts import conclude, verdict  # noqa: E402
 
 build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
@@ -76,16 +77,7 @@ def damped(bug):
 
 def left():
     """Processes of these tests that still run."""
-    found = []
-    for pid in filter(str.isdigit, os.listdir("/proc")):
-        try:
-            with open("/proc/%s/cmdline" % pid, "rb") as f:
-                line = f.read()
-        except OSError:
-            continue
-        if controller.encode() in line or b"sleep\x001001" in line:
-            found.append((pid, line))
-    return found
+    return running(lambda line: controller.encode() in line or b"sleep\x001001" in line)
 
 
 # ---- mistakes of controllers ----

@@ -7,6 +7,7 @@
 #include "hal/link/faults.h"
 #include "host_sim/live/fault_list.h"
 #include "tests/fixture/bus.h"
+#include "tests/fixture/fault_lists.h"
 #include "tests/unit/test.h"
 
 enum {
@@ -233,16 +234,7 @@ static void make_list(char *list, size_t size, unsigned seed)
                                        "reorder=%.2f@.04:.2",  "truncate=%.2f@.04:.2",  "flip=%.2f@.04:.2",
                                        "delay=%.2f:60@.04:.2", "refuse=%.2f@.04:.2",    "in.freeze@.06:.1",
                                        "bus-off@.12:.14",      "out.freeze@.15:.19",    "burst=17@.1:.2"};
-    size_t n = 0;
-    *list = '\0';
-    for (unsigned i = 0; i < sizeof kind / sizeof kind[0]; i++) {
-        uint64_t word = noise_word(seed, i);
-        if (word % 3 && !(i == seed % 12))
-            continue;
-        char item[48];
-        snprintf(item, sizeof item, kind[i], 0.02 + 0.4 * (double)(word >> 40) * 0x1p-24);
-        n += (size_t)snprintf(list + n, size - n, "%s%s", n ? "," : "", item);
-    }
+    fault_list_draw(list, size, kind, sizeof kind / sizeof kind[0], seed);
 }
 
 /* A new session after the trouble: true when everything works as if nothing had been. */

@@ -12,6 +12,7 @@
 #include "host_sim/replay/replay_source.h"
 #include "host_sim/live/fault_list.h"
 #include "tests/fixture/bus.h"
+#include "tests/fixture/fault_lists.h"
 #include "tests/unit/test.h"
 
 enum { FRAMES = 400, FAULT_AT = 150, LINES = 8000 };
@@ -440,16 +441,7 @@ static void make_list(char *list, size_t size, unsigned seed)
                                        "duplicate=%.2f",      "repeat=%.2f@.04:.2", "reorder=%.2f@.04:.2",
                                        "truncate=%.2f@.1:.2", "flip=%.2f@.1:.2",    "delay=%.2f:30@.1:.2",
                                        "in.freeze@.06:.1",    "out.freeze@.15:.19", "burst=17@.1:.2"};
-    size_t n = 0;
-    *list = '\0';
-    for (unsigned i = 0; i < sizeof kind / sizeof kind[0]; i++) {
-        uint64_t word = noise_word(seed, i);
-        if (word % 3 && i != seed % 12)
-            continue;
-        char item[48];
-        snprintf(item, sizeof item, kind[i], 0.02 + 0.4 * (double)(word >> 40) * 0x1p-24);
-        n += (size_t)snprintf(list + n, size - n, "%s%s", n ? "," : "", item);
-    }
+    fault_list_draw(list, size, kind, sizeof kind / sizeof kind[0], seed);
 }
 
 TEST(replay_faults)
