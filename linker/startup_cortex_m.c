@@ -1,6 +1,7 @@
 /* startup_cortex_m.c - the code before startup() on any Cortex-M with an FPU: vectors, FPU, a fence under the
  * stack. */
 #include <stdint.h>
+#include "hal/board/cortex_m.h"
 #include "linker/startup.h"
 
 /* Word offsets in the system control space. */
@@ -17,8 +18,6 @@ enum {
 extern uint32_t stack_fence[], stack_top[];
 extern volatile uint32_t system_control[];
 
-void cortex_m_fault(void);
-void cortex_m_tick(void);
 void reset(void);
 
 /* A stack that overflows runs into memory that does not exist for it, whatever the board has there. */

@@ -2,6 +2,7 @@
  * DDI 0460; DDI 0406, part B). Interrupts stay off: the firmware polls. Caches stay as the loader left
  * them. */
 #include <stdint.h>
+#include "hal/board/cortex_r.h"
 #include "linker/startup.h"
 
 enum {
@@ -22,7 +23,6 @@ extern volatile uint32_t exception_vectors[];
 
 void reset(void);
 void cortex_r_start(void);
-void cortex_r_fault(void);
 
 /* The first word of the image, and again at the address where the processor looks for vectors. */
 __attribute__((naked, section(".vectors"), used)) void reset(void)

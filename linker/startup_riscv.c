@@ -2,6 +2,7 @@
  * fence under the stack (The RISC-V Instruction Set Manual, volume II: 3.1.6, 3.1.7, 3.7). Interrupts stay
  * off: they only end a sleep. */
 #include <stdint.h>
+#include "hal/board/riscv.h"
 #include "linker/startup.h"
 
 enum {
@@ -15,7 +16,6 @@ extern uint32_t stack_fence[];
 
 void reset(void);
 void riscv_start(void);
-void riscv_trap(void);
 
 /* The first word of the image. One hart runs, any other sleeps. */
 __attribute__((naked, section(".vectors"), used)) void reset(void)

@@ -83,11 +83,11 @@ def me(request):
 def test_controller_on_a_bus(me, force_N=0.0):
     me.start()
     me.arm("force", 3.0, 225.0, ramp_s=0.1)
-    me.fire("force", tick=me.latest.tick + 20 * me.twin.substeps)
+    me.fire("force", tick=me.latest.tick + 20 * me.plant.substeps)
     for _ in range(1000):
         me.wait_contact(me.latest.contact_tick + 1)
         force_N = controller(force_N, me.latest.in_contact)
-        me.stream("force", me.latest.contact_tick // me.twin.substeps + 1, force_N)
+        me.stream("force", me.latest.contact_tick // me.plant.substeps + 1, force_N)
         me.heartbeat()
     me.stop()
     assert me.latest.refused == 0 and 0 < me.latest.touchdowns < 200

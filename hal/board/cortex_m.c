@@ -4,8 +4,9 @@
  * SysTick only ends a sleep. An interrupt that waits while another one comes is one interrupt, so counting
  * them would lose periods in silence; the counter loses none in 2^32 counts. The watchdog's interrupt is the
  * NMI. */
-#include "hal/board/board.h"
+#include "hal/board/cortex_m.h"
 
+#include "hal/board/board.h"
 #include "models/check.h"
 
 /* The private peripheral bus; the linker script places them. */
@@ -25,9 +26,6 @@ enum { CYCLES_PER_US = BOARD_CLOCK_HZ / 1000000 };
 static uint32_t cycles; /* in a period */
 static uint32_t begun_at, last;
 static uint64_t passed; /* cycles until `last` */
-
-void cortex_m_tick(void);
-void cortex_m_fault(void);
 
 /* The end of a sleep is all that it is for. */
 void cortex_m_tick(void)

@@ -1,5 +1,7 @@
 /* cortex_r.c - the functions of every Cortex-R5: frames by the cycle counter, faults, restart (Arm DDI 0460,
  * DDI 0406). */
+#include "hal/board/cortex_r.h"
+
 #include "hal/board/board.h"
 
 enum {
@@ -54,8 +56,6 @@ uint32_t board_now_us(void)
 }
 
 /* ---- faults ---- */
-
-void cortex_r_fault(void);
 
 static uint32_t fault_stack[FAULT_STACK_WORDS] __attribute__((used, aligned(8)));
 

@@ -74,8 +74,6 @@ void riscv_serve_by(void (*serve)(void))
 
 /* ---- faults ---- */
 
-void riscv_trap(void);
-
 static uint8_t fault_stack[FAULT_STACK_BYTES] __attribute__((used, aligned(16)));
 
 static __attribute__((noreturn, used)) void fail(const uint32_t *sp)

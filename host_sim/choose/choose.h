@@ -164,7 +164,7 @@ struct choose_certificate {
     struct choose_facts facts;
     struct choose_verdict verdict[CHOOSE_CANDIDATES];
     double unit, span, truth_error; /* SI, SI, relative */
-    double twins;                   /* relative difference of neighbouring full runs at most */
+    double neighbours;              /* relative difference of neighbouring full runs at most */
     double growth;                  /* growth of that difference in a spell, see choose_growth */
     bool statistics;                /* the measure: trajectories cannot be compared */
     bool heat; /* asked: a lever keeps its temperature. Its motion is random, so statistics are the measure */

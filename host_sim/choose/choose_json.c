@@ -31,7 +31,7 @@ static void put_question(struct json *j, const struct choose_certificate *c)
               c->scene.frame_s, c->budget_s);
     json_item(j, "\n 'truth': {'model': %s, 'measure': %s, 'span': %e, 'error': %e, 'neighbours': %e",
               c->scene.model->name, c->statistics ? "statistics" : "largest difference", c->span,
-              c->truth_error, c->twins);
+              c->truth_error, c->neighbours);
     if (c->statistics)
         json_item(j, " 'mean': %e, 'rms': %e, 'peak': %e, 'loss': %e", c->mean[STATISTIC_MEAN],
                   c->mean[STATISTIC_RMS], c->mean[STATISTIC_PEAK], c->mean[STATISTIC_LOSS]);

@@ -187,7 +187,7 @@ static void print_truth(FILE *out, const struct choose_certificate *c)
         lever                    ? "fine steps of modal"
         : c->scene.model->linear ? "exact"
                                  : "taylor",
-        c->truth_error, c->twins,
+        c->truth_error, c->neighbours,
         !c->statistics ? lever ? "the largest difference at 24 instants of each period, start included"
                                : "the largest difference at three instants of each frame, start included"
         : c->heat      ? "mean, rms, peak and share of time without contact, because heat moves the lever"

@@ -153,7 +153,7 @@ static const char *escape(struct search *o, bool *escaped)
 const char *choose_truth(struct search *o, bool *escaped)
 {
     struct choose_certificate *c = o->c;
-    struct choose_record second = {0}, twin = {0};
+    struct choose_record second = {0}, beside = {0};
     struct scene s = c->scene;
     static char reason[SCENE_CHECK_REASON];
     if (!choose_tighten(&s, CHOOSE_TIGHT, 1.0, reason))
@@ -167,24 +167,24 @@ const char *choose_truth(struct search *o, bool *escaped)
         why = reason;
     choose_tell(o, "truth again:", &s);
     why = why ? why : choose_run(&s, &c->sweep, 0.0, &second);
-    why = why ? why : choose_run(&s, &c->sweep, CHOOSE_NUDGE, &twin);
+    why = why ? why : choose_run(&s, &c->sweep, CHOOSE_NUDGE, &beside);
     if (!why) {
         c->span = choose_span(&o->truth, c->unit = unit_of(&c->scene));
         c->truth_error = erratic(&s) * choose_difference(&second, &o->truth, c->span);
-        c->twins = choose_difference(&twin, &second, c->span);
-        c->growth = choose_growth(&twin, &second, c->span, choose_resolution(c));
-        c->chaotic = c->twins > fmax(c->scene.tolerance, far_apart);
+        c->neighbours = choose_difference(&beside, &second, c->span);
+        c->growth = choose_growth(&beside, &second, c->span, choose_resolution(c));
+        c->chaotic = c->neighbours > fmax(c->scene.tolerance, far_apart);
         c->statistics = c->heat || c->chaotic || c->truth_error > unknown * c->scene.tolerance;
         c->low = o->truth.low;
         c->high = o->truth.high;
         c->loss = o->truth.loss;
         c->switches = o->truth.switches;
         for (int k = 0; k < 3; k++)
-            c->modes[k] = fmax(o->truth.modes[k], twin.modes[k]);
+            c->modes[k] = fmax(o->truth.modes[k], beside.modes[k]);
     }
     if (!why && c->statistics)
         why = measure_scatter(o, &s);
     choose_record_free(&second);
-    choose_record_free(&twin);
+    choose_record_free(&beside);
     return why;
 }

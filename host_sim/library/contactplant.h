@@ -403,7 +403,7 @@ CONTACTPLANT_API const char *contactplant_client_error(const struct contactplant
 
 /* A plant alone of the same scene, for names, units and numbers; the client does not use it. A microscope,
  * and a scene with a sensor, have none: theirs is on a bus of its own, and does not move. */
-CONTACTPLANT_API struct contactplant *contactplant_client_twin(struct contactplant_client *client);
+CONTACTPLANT_API struct contactplant *contactplant_client_plant(struct contactplant_client *client);
 
 /* Opens a session, and closes it, within `seconds`. CONTACTPLANT_REFUSED when the plant is another one than
  * the scene says, or takes no session. */

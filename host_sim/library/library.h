@@ -34,10 +34,10 @@ struct contactplant_client {
     struct hal hal;
     struct client_waiter waiter;
     struct contactplant_transport transport;
-    double waited_s; /* the client's clock: what its waits have taken */
-    bool is_ended;   /* the transport ended a wait */
-    bool is_unsent;  /* something was sent since the last flush */
-    struct contactplant twin;
+    double waited_s;           /* the client's clock: what its waits have taken */
+    bool is_ended;             /* the transport ended a wait */
+    bool is_unsent;            /* something was sent since the last flush */
+    struct contactplant plant; /* alone, of the same scene */
 };
 
 /* The scene of this name or text. False: why[SCENE_REASON] says what to do. */

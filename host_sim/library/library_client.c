@@ -44,9 +44,9 @@ const char *contactplant_client_error(const struct contactplant_client *c)
     return is_client(c) ? c->error.text : "not a client: give what contactplant_client_open has returned";
 }
 
-struct contactplant *contactplant_client_twin(struct contactplant_client *c)
+struct contactplant *contactplant_client_plant(struct contactplant_client *c)
 {
-    return is_client(c) ? &c->twin : NULL;
+    return is_client(c) ? &c->plant : NULL;
 }
 
 /* ---- the transport as the client's hal and waiter ---- */
@@ -128,11 +128,11 @@ struct contactplant_client *contactplant_client_open(void *memory, size_t size, 
     c->hal = (struct hal){.context = c, .recv = hal_receive, .send = hal_send, .flush = hal_flush};
     c->waiter = (struct client_waiter){c, waiter_now_s, waiter_is_interrupted, waiter_rest};
     /* as on the bus, for its identity; then alone, for the caller, where the scene has a plant alone */
-    if (library_open(&c->twin, scene, true, sizeof c->twin, error) != CONTACTPLANT_OK)
+    if (library_open(&c->plant, scene, true, sizeof c->plant, error) != CONTACTPLANT_OK)
         return NULL;
-    client_begin(&c->client, &c->hal, &c->twin.scene.app.scene, &c->waiter);
-    if (library_open(&c->twin, scene, false, sizeof c->twin, NULL) != CONTACTPLANT_OK)
-        (void)library_open(&c->twin, scene, true, sizeof c->twin, NULL); /* it has just been taken */
+    client_begin(&c->client, &c->hal, &c->plant.scene.app.scene, &c->waiter);
+    if (library_open(&c->plant, scene, false, sizeof c->plant, NULL) != CONTACTPLANT_OK)
+        (void)library_open(&c->plant, scene, true, sizeof c->plant, NULL); /* it has just been taken */
     c->magic = client_magic;
     return c;
 }
@@ -150,9 +150,9 @@ static int check_input(struct contactplant_client *c, int input)
 {
     if (!is_client(c))
         return CONTACTPLANT_BAD_HANDLE;
-    if (library_is_input(&c->twin, input))
+    if (library_is_input(&c->plant, input))
         return CONTACTPLANT_OK;
-    c->error = c->twin.error;
+    c->error = c->plant.error;
     return c->error.code;
 }
 
@@ -189,11 +189,11 @@ int contactplant_client_fire(struct contactplant_client *c, unsigned inputs, uin
     if (!(fraction >= 0.0 && fraction < 1.0))
         return library_fail(&c->error, CONTACTPLANT_BAD_VALUE,
                             "the fraction of a tick is 0 or more, below 1");
-    int n = c->twin.scene.config.model->n_inputs;
+    int n = c->plant.scene.config.model->n_inputs;
     if (!inputs || inputs >> n)
         return library_fail(&c->error, CONTACTPLANT_BAD_INDEX,
                             "inputs to fire are bits: %s has inputs 0 to %d",
-                            c->twin.scene.config.model->name, n - 1);
+                            c->plant.scene.config.model->name, n - 1);
     return sent(c, client_fire(&c->client, inputs, false, tick, fraction));
 }
 
@@ -205,7 +205,7 @@ int contactplant_client_stream(struct contactplant_client *c, int input, uint64_
 
 static int check_parameter(struct contactplant_client *c, int index)
 {
-    if (scene_parameter(c->twin.scene.config.model, index))
+    if (scene_parameter(c->plant.scene.config.model, index))
         return CONTACTPLANT_OK;
     return library_fail(&c->error, CONTACTPLANT_BAD_INDEX, "no parameter or setting %d", index);
 }
@@ -230,7 +230,8 @@ int contactplant_client_set_parameters(struct contactplant_client *c, int n, con
 
 static int timeout(struct contactplant_client *c, const char *what)
 {
-    const char *state = names_text(c->twin.scene.config.model, NAMES_STATE, (unsigned)c->client.latest.state);
+    const char *state =
+        names_text(c->plant.scene.config.model, NAMES_STATE, (unsigned)c->client.latest.state);
     return library_fail(&c->error, CONTACTPLANT_TIMEOUT, "waited in vain for %s%s; the plant is %s", what,
                         c->is_ended ? ", until the transport ended it" : "",
                         c->client.latest.count[WIRE_STATUS] ? state : "silent");

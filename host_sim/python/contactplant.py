@@ -171,7 +171,7 @@ _PROTOTYPES = {
     "tick": "U p", "tick_time": "d p", "substeps": "u p", "input": "d pi", "output": "d pi", "state": "d pi",
     "parameter": "d pi", "energy": "d p", "residual": "d p", "next_event": "i pp", "counter": "U pi", "hash": "U p",
     "save_size": "z p", "save": "i ppz", "restore": "i ppz", "bus_put": "i pp", "bus_frame": "i p", "bus_take": "i pp",
-    "pack": "z upipp", "unpack": "i pzpi", "client_open": "p pzspp", "client_error": "s p", "client_twin": "p p",
+    "pack": "z upipp", "unpack": "i pzpi", "client_open": "p pzspp", "client_error": "s p", "client_plant": "p p",
     "client_begin": "i pd", "client_end": "i pd", "client_heartbeat": "i p", "client_control": "i piU",
     "client_arm": "i pidddd", "client_fire": "i puUd", "client_stream": "i piUd", "client_set_parameters": "i pipp",
     "afm_open": "p pzsp", "afm_error": "s p", "afm_find": "i ps", "afm_describe": "i pip", "afm_set": "i pid",
@@ -681,10 +681,10 @@ class Client:
             self._transport.context = transport._handle
             self._transport.receive = ctypes.cast(lib.bus_take, _RECEIVE)
         self._memory, self._handle = _open(lib.client_open, _CLIENT_BYTES, scene, ctypes.byref(self._transport))
-        self.twin = Plant.__new__(Plant)  # a plant alone of the same scene, for names and numbers
-        self.twin._begin(lib, lib.client_twin(self._handle), self._memory)
+        self.plant = Plant.__new__(Plant)  # a plant alone of the same scene, for names and numbers
+        self.plant._begin(lib, lib.client_plant(self._handle), self._memory)
         if isinstance(transport, Udp):
-            transport.frame_s = self.twin.substeps * self.twin.tick_time
+            transport.frame_s = self.plant.substeps * self.plant.tick_time
 
     def _guarded(self, failed, function, *arguments):
         """An exception cannot pass through C: it ends the wait, and is raised behind it."""
@@ -760,27 +760,27 @@ class Client:
 
     def arm(self, input, amplitude, frequency_Hz, phase_rad=0.0, ramp_s=0.0):
         """Stages a drive, as Plant.drive sets it, for fire."""
-        self._command(self._lib.client_arm, self.twin._index("input", input), float(amplitude), float(frequency_Hz),
+        self._command(self._lib.client_arm, self.plant._index("input", input), float(amplitude), float(frequency_Hz),
                       float(phase_rad), float(ramp_s))
 
     def fire(self, *inputs, tick, fraction=0.0):
         """What is staged on these inputs begins at this instant of plant time."""
-        bits = sum({1 << self.twin._index("input", i) for i in inputs})
+        bits = sum({1 << self.plant._index("input", i) for i in inputs})
         self._command(self._lib.client_fire, bits, _whole("tick", tick, 64), float(fraction))
 
     def stream(self, input, frame, value):
-        """One sample, in the input's unit, applied at the start of that plant frame (tick // twin.substeps)."""
-        self._command(self._lib.client_stream, self.twin._index("input", input), _whole("frame", frame, 64),
+        """One sample, in the input's unit, applied at the start of that plant frame (tick // plant.substeps)."""
+        self._command(self._lib.client_stream, self.plant._index("input", input), _whole("frame", frame, 64),
                       float(value))
 
     def set_parameters(self, **values):
         """Parameters and settings, as one set."""
         self._command(self._lib.client_set_parameters,
-                      *_index_and_value(values, lambda name: self.twin._index("parameter", name)))
+                      *_index_and_value(values, lambda name: self.plant._index("parameter", name)))
 
     def parameter(self, name, seconds=1.0):
         """A parameter or a setting, as the plant says it."""
-        value = self._lib.client_parameter(self._handle, self.twin._index("parameter", name), float(seconds))
+        value = self._lib.client_parameter(self._handle, self.plant._index("parameter", name), float(seconds))
         self._check(0 if value == value else Code.TIMEOUT)
         return value
 

@@ -2,12 +2,12 @@
 #include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/out/cell.h"
-#include "host_sim/cli/chart.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/commands.h"
 #include "host_sim/replay/log_report.h"
 #include "host_sim/replay/log_series.h"
+#include "host_sim/report/figure.h"
 
 #include <errno.h>
 #include <math.h>
@@ -62,49 +62,36 @@ static void put_event(void *context, const struct listen_event *e)
 
 /* Bands from the smallest to the largest value of some rows: no line is drawn through samples of a motion
  * that is faster than they are. Values beyond the bus's range are marked. */
-static void draw_signal(struct chart *c, const struct log_series *r, const struct model *m, int k)
+static void draw_signal(struct figure *g, const struct log_series *r, const struct model *m, int k)
 {
     const struct decimate *d = &r->bins;
-    double lows[DECIMATE_BINS], highs[DECIMATE_BINS];
-    char name[DECODE_NAME], label[2 * DECODE_NAME];
+    const char *legend = "beyond the bus's range";
+    char name[DECODE_NAME];
     double low = (double)INFINITY, high = -(double)INFINITY, from, to;
     bool beyond = k < DECODE_OUTPUTS && r->n_beyond[k];
     chart_range_add(&low, &high, d->low[k], d->n);
-    chart_range_add(&low, &high, d->high[k], d->n);
     if (!(low <= high) && !beyond)
         return; /* nothing was said of it */
     decode_name(m, k, name);
-    double factor =
-        chart_label(label, sizeof label, name, decode_signal(m, k)->unit, fmax(fabs(low), fabs(high)));
-    for (size_t i = 0; i < d->n; i++) {
-        lows[i] = factor * d->low[k][i];
-        highs[i] = factor * d->high[k][i];
-    }
-    low *= factor, high *= factor;
-    chart_range_finish(&low, &high);
-    chart_panel(c, label, 90.0, low, high);
-    for (size_t i = 0; beyond && log_series_next(r, k, &i, &from, &to);)
-        chart_span(c, from, to, NULL, CHART_RED);
-    if (beyond)
-        chart_legend(c, CHART_RED, "beyond the bus's range");
-    chart_band(c, d->x, lows, highs, d->n, CHART_BLUE, NULL);
-    chart_line(c, d->x, highs, d->n, CHART_BLUE, NULL);
-    chart_line(c, d->x, lows, d->n, CHART_BLUE, NULL);
+    figure_panel(g, name, decode_signal(m, k)->unit, 90.0);
+    for (size_t i = 0; beyond && log_series_next(r, k, &i, &from, &to); legend = NULL)
+        figure_put(g, &(struct figure_layer){FIGURE_SPAN, .legend = legend, .colour = CHART_RED, .n = 1,
+                                             .x = &from, .z = &to});
+    figure_put(g, &(struct figure_layer){FIGURE_BAND, .n = d->n, .x = d->x, .y = d->low[k], .z = d->high[k]});
+    figure_put(g, &(struct figure_layer){FIGURE_LINE, .n = d->n, .x = d->x, .y = d->high[k]});
+    figure_put(g, &(struct figure_layer){FIGURE_LINE, .n = d->n, .x = d->x, .y = d->low[k]});
 }
 
 static int draw(const struct log_series *r, const struct options *o, const struct model *m)
 {
-    struct chart c;
-    FILE *f = options_compose(o, "svg");
-    if (!f)
-        return STATUS_FAILED;
-    chart_begin(&c, "contactplant decode", o->word[0]);
-    chart_x_range(&c, r->bins.x[0], fmax(r->bins.last, r->bins.x[0] + 1e-9));
+    struct figure g;
+    double from = r->bins.x[0];
+    figure_begin_picture(&g, o, o->word[0]);
+    figure_subtitle(&g, "bands: least and greatest values");
+    figure_axis(&g, &(struct figure_axis){"plant time", "s", from, fmax(r->bins.last, from + 1e-9), false});
     for (int k = 0; k < decode_signals(m); k++)
-        draw_signal(&c, r, m, k);
-    chart_x_axis(&c, "plant time (s)");
-    const char *why = chart_end(&c, f);
-    return options_close(o, "svg", f, why);
+        draw_signal(&g, r, m, k);
+    return figure_end(&g, o);
 }
 
 static int print_rows(struct decode_log *d, const struct options *o, const struct model *m, FILE *out)

@@ -37,6 +37,8 @@ static void write_layer(const struct figure *g, struct html *h, const struct fig
         html_cells(h, name, l->n, l->x, l->z, l->y, l->half);
     if (l->kind == FIGURE_MARKER)
         html_marker(h, l->x[0], "%s", name);
+    if (l->kind == FIGURE_SPAN)
+        html_span(h, name, l->x[0], l->z[0]);
     h->ink = NULL;
 }
 
@@ -56,7 +58,7 @@ static void write_panel(struct figure *g)
 static void add_range(const struct figure_layer *l, double *min, double *max)
 {
     const double edges[2] = {-l->half, l->half};
-    if (l->kind == FIGURE_MARKER)
+    if (l->kind == FIGURE_MARKER || l->kind == FIGURE_SPAN)
         return;
     chart_range_add(min, max, l->y, l->n);
     if (l->kind == FIGURE_BAND)
@@ -69,7 +71,7 @@ static void add_range(const struct figure_layer *l, double *min, double *max)
 static void add_reach(const struct figure_layer *l, double *min, double *max)
 {
     chart_range_add(min, max, l->x, l->n);
-    if (l->kind == FIGURE_CELLS)
+    if (l->kind == FIGURE_CELLS || l->kind == FIGURE_SPAN)
         chart_range_add(min, max, l->z, l->n);
 }
 
@@ -100,7 +102,7 @@ static void place_axis(struct figure *g)
     for (size_t i = 0; i < g->n; i++) {
         struct figure_kept *k = &g->kept[i];
         scale(k->data, k->layer.n, factor, a->logarithmic);
-        if (k->layer.kind == FIGURE_CELLS)
+        if (k->layer.kind == FIGURE_CELLS || k->layer.kind == FIGURE_SPAN)
             scale(k->data + 2 * k->layer.n, k->layer.n, factor, a->logarithmic);
     }
 }
@@ -140,6 +142,10 @@ static void draw_layer(struct chart *c, const struct figure_layer *l)
         chart_cells(c, l->x, l->z, l->y, l->n, l->half, l->colour, l->legend);
     if (l->kind == FIGURE_MARKER)
         chart_marker(c, l->x[0], l->legend, l->colour);
+    if (l->kind == FIGURE_SPAN)
+        chart_span(c, l->x[0], l->z[0], NULL, l->colour);
+    if (l->kind == FIGURE_SPAN && l->legend)
+        chart_legend(c, l->colour, l->legend);
 }
 
 static void draw_panel(struct figure *g)
@@ -257,17 +263,21 @@ static int fail(const struct options *o, const char *option, const char *why)
                            options_text(o, option, 0), why);
 }
 
+void figure_begin_picture(struct figure *g, const struct options *o, const char *name)
+{
+    *g = (struct figure){.draws = options_given(o, "svg")};
+    snprintf(g->name, sizeof g->name, "contactplant %s %.*s", o->usage->name, utf8_fits(name, NAME_SHOWN),
+             name);
+}
+
 int figure_begin(struct figure *g, const struct options *o, const char *name)
 {
-    *g = (struct figure){.draws = options_given(o, "svg"), .writes = options_given(o, "report")};
+    figure_begin_picture(g, o, name);
+    g->writes = options_given(o, "report");
     const char *why =
         g->writes ? html_begin(&g->page, options_text(o, "report", 0), o->usage->name, name, o->argc, o->argv)
                   : NULL;
-    if (why)
-        return fail(o, "report", why);
-    snprintf(g->name, sizeof g->name, "contactplant %s %.*s", o->usage->name, utf8_fits(name, NAME_SHOWN),
-             name);
-    return 0;
+    return why ? fail(o, "report", why) : 0;
 }
 
 void figure_subtitle(struct figure *g, const char *text)

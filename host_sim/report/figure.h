@@ -29,9 +29,10 @@ struct figure_axis {
 enum figure_kind {
     FIGURE_LINE,
     FIGURE_POINTS,
-    FIGURE_BAND,  /* from y to z over x */
-    FIGURE_CELLS, /* from x to z, `half` below and above y */
-    FIGURE_MARKER /* dashed, at x[0] */
+    FIGURE_BAND,   /* from y to z over x */
+    FIGURE_CELLS,  /* from x to z, `half` below and above y */
+    FIGURE_MARKER, /* dashed, at x[0] */
+    FIGURE_SPAN    /* shaded over the whole height, from x[0] to z[0] */
 };
 
 struct figure_layer {
@@ -43,7 +44,7 @@ struct figure_layer {
     double width; /* px, the points in the picture */
     double half;
     size_t n;
-    const double *x, *y, *z; /* [n]; a marker has x alone */
+    const double *x, *y, *z; /* [n]; a marker has x alone, a span x and z */
 };
 
 struct figure_kept {
@@ -72,6 +73,9 @@ struct figure {
 /* Begins what the options ask for: --svg, --report, both or nothing. name: what it is of. 0, or the exit
  * status after a line. */
 int figure_begin(struct figure *g, const struct options *o, const char *name);
+
+/* Begins the picture of --svg alone, where the page is another one. */
+void figure_begin_picture(struct figure *g, const struct options *o, const char *name);
 
 /* The line below the picture's title; it comes first. */
 void figure_subtitle(struct figure *g, const char *text);

@@ -7,10 +7,10 @@
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
-#include "host_sim/cli/chart.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
 #include "host_sim/out/json.h"
+#include "host_sim/report/figure.h"
 #include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_load.h"
@@ -206,35 +206,25 @@ static int write_tab(struct approach *a)
     return options_close(&a->o, "tab", f, NULL);
 }
 
-static void panel(struct chart *c, struct approach *a, int column, double unit, const char *label)
+static void panel(struct figure *g, const struct approach *a, int column, const char *title, const char *unit)
 {
-    double min = (double)INFINITY, max = -(double)INFINITY;
-    for (size_t i = 0; i < 2 * a->n; i++)
-        a->row[column][i] *= unit;
-    chart_range_add(&min, &max, a->row[column], 2 * a->n);
-    chart_range_finish(&min, &max);
-    chart_panel(c, label, 180.0, min, max);
-    chart_line(c, a->row[BASE], a->row[column], a->n, CHART_BLUE, "approach");
-    chart_line(c, a->row[BASE] + a->n, a->row[column] + a->n, a->n, CHART_RED, "retract");
+    const double *x = a->row[BASE], *y = a->row[column];
+    figure_panel(g, title, unit, 180.0);
+    figure_put(g, &(struct figure_layer){FIGURE_LINE, .legend = "approach", .n = a->n, .x = x, .y = y});
+    figure_put(g, &(struct figure_layer){FIGURE_LINE, .legend = "retract", .colour = CHART_RED, .n = a->n,
+                                         .x = x + a->n, .y = y + a->n});
 }
 
-/* The rows are in nm and nN from here on. */
-static int draw(struct approach *a)
+static int draw(const struct approach *a)
 {
-    struct chart c;
-    FILE *f = options_compose(&a->o, "svg");
-    if (!f)
-        return STATUS_FAILED;
-    for (size_t i = 0; i < 2 * a->n; i++)
-        a->row[BASE][i] *= 1e9;
-    chart_begin(&c, "contactplant approach", a->o.word[0]);
-    chart_x_range(&c, a->low * 1e9, a->top * 1e9);
-    panel(&c, a, DEFLECTION, 1e9, "deflection (nm)");
-    panel(&c, a, AMPLITUDE, 1e9, "amplitude (nm)");
-    panel(&c, a, FORCE, 1e9, "mean force of the sample (nN)");
-    chart_x_axis(&c, "height of the base (nm)");
-    const char *why = chart_end(&c, f);
-    return options_close(&a->o, "svg", f, why);
+    struct figure g;
+    figure_begin_picture(&g, &a->o, a->o.word[0]);
+    figure_subtitle(&g, "to the surface, and back");
+    figure_axis(&g, &(struct figure_axis){"height of the base", "m", a->low, a->top, false});
+    panel(&g, a, DEFLECTION, "deflection", "m");
+    panel(&g, a, AMPLITUDE, "amplitude", "m");
+    panel(&g, a, FORCE, "mean force of the sample", "N");
+    return figure_end(&g, &a->o);
 }
 
 /* Where contact begins or ends, or why it does not, beside the closed form of a still lever (0: there is

@@ -143,7 +143,7 @@ def test_bits():
 
 def controller(me, frames, pause_s=0.0):
     """The controller of in_process.c, and what that prints."""
-    substeps, force_N = me.twin.substeps, 0.0
+    substeps, force_N = me.plant.substeps, 0.0
     me.begin()
     me.start()
     now = me.latest

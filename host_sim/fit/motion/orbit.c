@@ -27,28 +27,7 @@ struct period {
     double cosine[TICKS_MOST + 1], sine[TICKS_MOST + 1]; /* phasor of the drive at tick 1 to ticks */
 };
 
-/* The ticks of a period, and their phases. NULL, or why there is no such plant. */
-static const char *set_up_ticks(const struct orbit_task *t, double frequency_Hz, double ticks,
-                                struct period *q)
-{
-    if (!(ticks <= TICKS_MOST))
-        return "the drive is too slow beside the contact";
-    q->ticks = (int)ceil(ticks);
-    const struct plant_config c = {.model = t->model,
-                                   .si = t->si,
-                                   .method = t->method,
-                                   .tick_s = 1.0 / (frequency_Hz * q->ticks),
-                                   .dilation = 1.0,
-                                   .tol = t->tol,
-                                   .no_ledger = true,
-                                   .scratch = t->scratch};
-    const char *why = plant_init(&q->pl, &c);
-    for (int i = 1; !why && i <= q->ticks; i++)
-        cos_sin_turns(turns_of((double)i / q->ticks), &q->cosine[i], &q->sine[i]);
-    return why;
-}
-
-static const char *set_up(const struct orbit_task *t, double frequency_Hz, struct period *q)
+const char *orbit_contact(const struct orbit_task *t, double *contact_Hz)
 {
     double p[MODEL_DERIVED];
     struct scale scale;
@@ -57,7 +36,43 @@ static const char *set_up(const struct orbit_task *t, double frequency_Hz, struc
     if (why)
         return why;
     t->model->prepare(t->si, p, &scale);
-    double contact = t->model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s * frequency_Hz);
+    *contact_Hz = t->model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
+    return NULL;
+}
+
+const char *orbit_plant(const struct orbit_task *t, double tick_s, struct plant *pl)
+{
+    const struct plant_config c = {.model = t->model,
+                                   .si = t->si,
+                                   .method = t->method,
+                                   .tick_s = tick_s,
+                                   .dilation = 1.0,
+                                   .tol = t->tol,
+                                   .no_ledger = true,
+                                   .scratch = t->scratch};
+    return plant_init(pl, &c);
+}
+
+/* The ticks of a period, and their phases. NULL, or why there is no such plant. */
+static const char *set_up_ticks(const struct orbit_task *t, double frequency_Hz, double ticks,
+                                struct period *q)
+{
+    if (!(ticks <= TICKS_MOST))
+        return "the drive is too slow beside the contact";
+    q->ticks = (int)ceil(ticks);
+    const char *why = orbit_plant(t, 1.0 / (frequency_Hz * q->ticks), &q->pl);
+    for (int i = 1; !why && i <= q->ticks; i++)
+        cos_sin_turns(turns_of((double)i / q->ticks), &q->cosine[i], &q->sine[i]);
+    return why;
+}
+
+static const char *set_up(const struct orbit_task *t, double frequency_Hz, struct period *q)
+{
+    double contact_Hz;
+    const char *why = orbit_contact(t, &contact_Hz);
+    if (why)
+        return why;
+    double contact = contact_Hz / frequency_Hz;
     bool coarse = t->method->order == 0;
     why = coarse ? set_up_ticks(t, frequency_Hz, fmax(ORBIT_TICKS, CONTACT_TICKS * contact), q) : "fine";
     return why ? set_up_ticks(t, frequency_Hz, FINE * fmax(ORBIT_TICKS, CONTACT_TICKS * contact), q) : NULL;

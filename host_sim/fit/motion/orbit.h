@@ -33,6 +33,11 @@ struct orbit {
     double re_x[ORBIT_STATES], im_x[ORBIT_STATES]; /* its slopes over x */
 };
 
+/* The eigenfrequency of its closed contact, and its plant with ticks of this length. NULL, or why there is no
+ * such plant. */
+const char *orbit_contact(const struct orbit_task *t, double *contact_Hz);
+const char *orbit_plant(const struct orbit_task *t, double tick_s, struct plant *pl);
+
 /* NULL, or why a plant of these parameters does not run at this frequency. */
 const char *orbit_refused(const struct orbit_task *t, double frequency_Hz);
 

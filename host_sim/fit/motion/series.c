@@ -2,37 +2,23 @@
 #include "host_sim/fit/motion/series.h"
 
 #include <math.h>
-#include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
-#include "models/math/elementary.h"
 
 enum { CONTACT_TICKS = 8, FINE = 5, TICKS_MOST = 10000 };
 
 /* Ticks in a step: enough of them in a period of contact and drive. */
 static const char *set_up(const struct orbit_task *t, const struct record *r, struct plant *pl, int *ticks)
 {
-    double p[MODEL_DERIVED];
-    struct scale scale;
-    int which;
-    const char *why = plant_check(t->model, t->si, &which);
+    double contact_Hz;
+    const char *why = orbit_contact(t, &contact_Hz);
     if (why)
         return why;
-    t->model->prepare(t->si, p, &scale);
-    double contact = t->model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
-    double periods = r->step_s * fmax(contact, r->tone.amplitude > 0.0 ? r->tone.frequency_Hz : 0.0);
+    double periods = r->step_s * fmax(contact_Hz, r->tone.amplitude > 0.0 ? r->tone.frequency_Hz : 0.0);
     double wanted = fmax(1.0, ceil((t->method->order > 0 ? FINE : 1) * CONTACT_TICKS * periods));
     if (!(wanted <= TICKS_MOST))
         return "the steps are too long beside the contact";
     *ticks = (int)wanted;
-    const struct plant_config c = {.model = t->model,
-                                   .si = t->si,
-                                   .method = t->method,
-                                   .tick_s = r->step_s / *ticks,
-                                   .dilation = 1.0,
-                                   .tol = t->tol,
-                                   .no_ledger = true,
-                                   .scratch = t->scratch};
-    return plant_init(pl, &c);
+    return orbit_plant(t, r->step_s / *ticks, pl);
 }
 
 /* The drive behind time i. */

@@ -90,7 +90,7 @@ TEST(library_bus_session)
     check_near("the plant's tick", (double)l.tick, (double)contactplant_tick(plant), 0.0);
     double now = contactplant_output(plant, contactplant_find(plant, CONTACTPLANT_OUTPUT, "penetration"));
     check_near("penetration, m", l.penetration_m, now, 1e-9);
-    int mass = contactplant_find(contactplant_client_twin(client), CONTACTPLANT_PARAMETER, "mass_kg");
+    int mass = contactplant_find(contactplant_client_plant(client), CONTACTPLANT_PARAMETER, "mass_kg");
     const double five = 5.0;
     check_near("mass, kg", contactplant_client_parameter(client, mass, 1.0),
                contactplant_parameter(plant, mass), 1e-6);
@@ -134,7 +134,7 @@ TEST(library_client_of_another_plant)
 }
 
 /* Scenes that run on a bus alone have names for a client, too. */
-TEST(library_twin_of_every_scene)
+TEST(library_client_has_a_plant_of_every_scene)
 {
     static const char *const scene[] = {"microscope",
                                         "[plant]\nmodel = hertz_rig\n[stage velocity]\ngain = 2\n"};
@@ -142,10 +142,10 @@ TEST(library_twin_of_every_scene)
     static const double step_s[] = {1e-3 / 1120, 1e-3 / 64};
     for (int i = 0; i < 2; i++) {
         bus_begin(scene[i], scene[i]);
-        struct contactplant *twin = contactplant_client_twin(client);
-        check_is(name[i], contactplant_find(twin, CONTACTPLANT_INPUT, name[i]), >, 0);
-        check_near("step, s", contactplant_tick_time(twin), step_s[i], 1e-18);
-        check_int("no bus of the caller", contactplant_advance(twin, 1), CONTACTPLANT_BAD_ORDER);
+        struct contactplant *alone = contactplant_client_plant(client);
+        check_is(name[i], contactplant_find(alone, CONTACTPLANT_INPUT, name[i]), >, 0);
+        check_near("step, s", contactplant_tick_time(alone), step_s[i], 1e-18);
+        check_int("no bus of the caller", contactplant_advance(alone, 1), CONTACTPLANT_BAD_ORDER);
         check_int("session", contactplant_client_begin(client, 5.0), CONTACTPLANT_OK);
     }
 }

@@ -297,7 +297,7 @@ TEST(library_client_refuses)
     check_int("no client", contactplant_client_latest(NULL, &latest, sizeof latest), CONTACTPLANT_BAD_HANDLE);
     check_int("no client", contactplant_client_poll(NULL), 0);
     check_nan("no client", contactplant_client_parameter(NULL, 0, 1));
-    check_true("no client", !contactplant_client_twin(NULL));
+    check_true("no client", !contactplant_client_plant(NULL));
     check_contains("no client", contactplant_client_error(NULL), "not a client");
     int left = 3;
     t.context = &left;
