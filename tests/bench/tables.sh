@@ -1,5 +1,5 @@
 #!/bin/sh
-# tables.sh RATIOS BASELINE_RATIOS - the tables of docs/why/speed.md and accuracy.md, in Markdown, from the ratios.csv of two
+# tables.sh RATIOS BASELINE_RATIOS - the numbers of the table in docs/why/accuracy.md, in Markdown, from the ratios.csv of two
 # runs of the benchmark: with AVX2 and on baseline x86-64. Ratios have two digits, for the third is another on each machine.
 awk -F , '
     function two(x) { return x >= 10 ? sprintf("%.0f", x) : sprintf("%.1f", x) }
