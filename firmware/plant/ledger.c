@@ -173,8 +173,6 @@ ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const doub
     last->force = end.force[1];
     return force;
 }
-#else
-#define side_by_side one_piece /* never called */
 #endif
 
 /* Any model, through its pointer: the same bits as an instantiation. */
@@ -195,6 +193,7 @@ static double piece_general(struct ledger *l, const double *p, const struct segm
     return one_general(l, p, &e->at[1], x0, x1);
 }
 
+#if TICK_LANES > 1
 typedef double one_function(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
                             const double *x0, const double *x1);
 
@@ -214,7 +213,6 @@ static double ticks_general(struct ledger *l, const double *p, const struct inpu
     return one_by_one(one_general, l, p, at, x, n);
 }
 
-#if TICK_LANES > 1
 /* Ticks of a block. A last one alone is rare. */
 ALWAYS_INLINE double ticks(struct inlined m, one_function *one, struct ledger *l, const double *p,
                            const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
@@ -224,25 +222,15 @@ ALWAYS_INLINE double ticks(struct inlined m, one_function *one, struct ledger *l
         return one_by_one(one, l, p, at, x, n);
     return n == TICK_LANES ? side_by_side(m, l, p, at + 1, x[0], x[1]) : ticks_general(l, p, at, x, n);
 }
-#define TICKS_OF(name, states, n_inputs, ...)                                                                \
-    ticks((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, one_##name, l, p, at, \
-          x, n)
-#else
-#define TICKS_OF(name, states, n_inputs, ...) one_by_one(one_##name, l, p, at, x, n)
 #endif
 
-#define DECLARE(name, ...)                                                                                   \
-    static ledger_function piece_##name;                                                                     \
-    static ledger_ticks_function ticks_##name;
+#define DECLARE(name, ...) static ledger_function piece_##name;
 INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
     if (when)                                                                                                \
         return piece_##row(l, p, e, x0, x1);
 
-/* One function per row. A jump to another one costs no more than that: the arguments stay in their places.
- * Without lanes pieces and ticks share a copy of the row, for room. */
-#if TICK_LANES > 1
 #define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
     ALWAYS_INLINE double one_##name(struct ledger *l, const double *p,                                       \
                                     const struct input(*at)[MODEL_INPUTS], const double *x0,                 \
@@ -251,17 +239,9 @@ INSTANCES(DECLARE)
         return one_piece((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,  \
                          at, x0, x1);                                                                        \
     }
-#else
-#define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
-    NEVER_INLINE double one_##name(struct ledger *l, const double *p, const struct input(*at)[MODEL_INPUTS], \
-                                   const double *x0, const double *x1)                                       \
-    {                                                                                                        \
-        return one_piece((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,  \
-                         at, x0, x1);                                                                        \
-    }
-#endif
 INSTANCES(ONE)
 
+/* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
 #define PIECE(name, for_models, jumps, ...)                                                                  \
     CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct segment *e,     \
                                              const double *x0, const double *x1)                             \
@@ -272,6 +252,10 @@ INSTANCES(ONE)
         return one_##name(l, p, &e->at[1], x0, x1);                                                          \
     }
 INSTANCES(PIECE)
+
+#if TICK_LANES > 1
+#define DECLARE_TICKS(name, ...) static ledger_ticks_function ticks_##name;
+INSTANCES(DECLARE_TICKS)
 
 #undef JUMP
 #define JUMP(row, when)                                                                                      \
@@ -286,7 +270,8 @@ INSTANCES(PIECE)
         unsigned active = l->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return TICKS_OF(name, states, n_inputs, __VA_ARGS__);                                                \
+        return ticks((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)},            \
+                     one_##name, l, p, at, x, n);                                                            \
     }
 INSTANCES(TICKS)
 
@@ -298,6 +283,7 @@ ledger_ticks_function *ledger_bind_ticks(const struct model *m)
     INSTANCES(BIND_TICKS)
     return ticks_general;
 }
+#endif
 
 static ledger_function *bind(const struct model *m)
 {

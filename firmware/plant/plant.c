@@ -443,8 +443,8 @@ NEVER_INLINE bool is_quiet(const struct plant *pl)
     return true;
 }
 
-/* Quiet ticks under way. The books follow BLOCK_TOGETHER ticks behind, so that they do not stand between one
- * step and the next. */
+/* Quiet ticks under way. With TICK_LANES > 1 the ledger follows BLOCK_TOGETHER ticks behind, so that it does
+ * not stand between one step and the next. */
 struct quiet {
     struct method_block b;
     unsigned turning;                     /* bit i: drive i turns; the others that sound stand */
@@ -453,7 +453,9 @@ struct quiet {
     uint64_t passed;                      /* up to this tick drives and times have gone on */
     const struct method_switch *switched; /* in the tick behind `done`; NULL: none */
     const struct method_books *books;     /* its books */
+#if TICK_LANES > 1
     ledger_ticks_function *book;
+#endif
     enum step_status status; /* how the last single step ended */
     struct crossing c;
 };
@@ -467,7 +469,9 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
     q->turning = q->done = q->booked = 0;
     q->origin = q->passed = pl->now.tick;
     q->switched = NULL;
+#if TICK_LANES > 1
     q->book = ledger_bind_ticks(pl->model);
+#endif
     e->instant = (pl->now.tick - 1) * TICK_FRACTIONS;
     q->c = (struct crossing){0.0, 0, 0, 0.0};
     b->length = e->length = pl->h;
@@ -507,6 +511,28 @@ ALWAYS_INLINE struct ticks ticks_from(struct method_block *b, uint32_t k)
     return (struct ticks){&b->x[k], &b->at[2 * k], &b->phasor[k]};
 }
 
+/* Input i in a tick's segment and in the block; turn: it is to be filled in first. */
+ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
+{
+    struct segment *e = &pl->segment;
+    struct wave *w = &e->wave[i];
+    w->cosine = t.phasor[0][i].cosine;
+    w->sine = t.phasor[0][i].sine;
+#if TICK_LANES == 1
+    if (turn) { /* nobody reads the middle in the block */
+        e->at[0][i] = e->at[2][i];
+        drive_turn(&pl->drive[i], w, &e->at[0][i], &t.phasor[0][i], 1);
+        t.at[2][i] = e->at[2][i];
+        return;
+    }
+#endif
+    if (turn)
+        drive_turn(&pl->drive[i], w, &t.at[0][i], &t.phasor[0][i], 1);
+    e->at[0][i] = t.at[0][i];
+    e->at[1][i] = t.at[1][i];
+    e->at[2][i] = t.at[2][i];
+}
+
 /* One tick by a single step, in pl->x, where the plant stands; turn: its inputs are to be filled in first.
  * False if it is not a good one to its end. */
 ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, bool turn)
@@ -515,16 +541,8 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
     unsigned drives = q->turning;
     int n = pl->model->n_states;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
-        if (!(drives & 1u))
-            continue;
-        struct wave *w = &e->wave[i];
-        w->cosine = t.phasor[0][i].cosine;
-        w->sine = t.phasor[0][i].sine;
-        if (turn)
-            drive_turn(&pl->drive[i], w, &t.at[0][i], &t.phasor[0][i], 1);
-        e->at[0][i] = t.at[0][i];
-        e->at[1][i] = t.at[1][i];
-        e->at[2][i] = t.at[2][i];
+        if (drives & 1u)
+            fill_tick(pl, i, t, turn);
     }
     e->instant += TICK_FRACTIONS;
     q->status = pl->step(pl->model, pl->p, pl->scratch, e, q->b.regime, pl->x, &q->c);
@@ -533,6 +551,10 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
     copy_state(t.x[1], pl->x, n);
     if (pl->books == BOOKS_OF_METHOD)
         rise_to(&pl->peak_force, book_otherwise(pl));
+#if TICK_LANES == 1
+    if (pl->books == BOOKS_OF_LEDGER)
+        rise_to(&pl->peak_force, pl->ledger.piece(&pl->ledger, pl->p, e, t.x[0], pl->x));
+#endif
     return true;
 }
 
@@ -572,8 +594,12 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
 /* The ledger's books of n ticks, at most BLOCK_TOGETHER. */
 ALWAYS_INLINE void book_ticks(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
 {
+#if TICK_LANES > 1
     if (pl->books == BOOKS_OF_LEDGER && n > 0)
         rise_to(&pl->peak_force, q->book(&pl->ledger, pl->p, t.at, t.x, n));
+#else
+    (void)pl, (void)q, (void)t, (void)n;
+#endif
 }
 
 /* Up to n ticks from q->done on, and the books of those before. False if one of them, behind q->done, is not
@@ -620,24 +646,24 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
     return true;
 }
 
-/* The block is full: the ticks that are not booked move to its begin. */
+/* The block is full: its end moves to its begin, and with lanes the ticks that may not be booked. */
 static void move_block(struct quiet *q, int n_states, bool booked)
 {
-    enum { FROM = BLOCK_TICKS - BLOCK_TOGETHER };
+    enum { KEPT = TICK_LANES > 1 ? BLOCK_TOGETHER : 0, FROM = BLOCK_TICKS - KEPT };
     struct method_block *b = &q->b;
     unsigned drives = q->turning;
-    for (int k = booked ? BLOCK_TOGETHER : 0; k <= BLOCK_TOGETHER; k++)
+    for (int k = booked ? KEPT : 0; k <= KEPT; k++)
         copy_state(b->x[k], b->x[FROM + k], n_states);
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         if (!(drives & 1u))
             continue;
         UNROLL
-        for (int k = 1; k <= 2 * BLOCK_TOGETHER; k++)
+        for (int k = KEPT > 0 ? 1 : 0; k <= 2 * KEPT; k++)
             b->at[k][i] = b->at[2 * FROM + k][i];
-        b->phasor[BLOCK_TOGETHER][i] = b->phasor[BLOCK_TICKS][i];
+        b->phasor[KEPT][i] = b->phasor[BLOCK_TICKS][i];
     }
     q->origin += FROM;
-    q->done = BLOCK_TOGETHER;
+    q->done = KEPT;
 }
 
 /* Time, inputs and phasors stand at the end of the block's tick k. */

@@ -120,30 +120,29 @@ ALWAYS_INLINE double fast_of(const struct wave *w, double s, const struct input 
 }
 
 /* Where the motion stands. Only what `kind` needs of the contact. */
-ALWAYS_INLINE struct end end_of(const struct adams *s, double length, const struct input *u,
-                                const struct adams_motion *m, enum adams_kind kind, const int *on, int n_on)
+ALWAYS_INLINE void find_end(const struct adams *s, double length, const struct input *u,
+                            const struct adams_motion *m, enum adams_kind kind, const int *on, int n_on,
+                            struct end *e)
 {
     const struct hertz_form *f = &s->form;
-    struct end e;
-    e.u = u;
-    e.place = m->at[ADAMS_PLACE];
-    e.rate = m->at[ADAMS_RATE];
-    e.change = f->constant + m->g[0];
-    e.contact = e.steepness = 0.0;
+    e->u = u;
+    e->place = m->at[ADAMS_PLACE];
+    e->rate = m->at[ADAMS_RATE];
+    e->change = f->constant + m->g[0];
+    e->contact = e->steepness = 0.0;
     for (int k = 0; k < n_on; k++) {
         int i = on[k];
-        e.change += s->force[k] * u[i].value;
+        e->change += s->force[k] * u[i].value;
         if (kind == ADAMS_SHIFTED && f->shift[i] != 0.0) {
-            e.fast[i] = fast_of(&s->wave[i], length, &u[i]);
-            e.change += f->drag[i] * u[i].rate + f->shift[i] * e.fast[i];
+            e->fast[i] = fast_of(&s->wave[i], length, &u[i]);
+            e->change += f->drag[i] * u[i].rate + f->shift[i] * e->fast[i];
         }
     }
     if (kind != ADAMS_FORCED) {
-        double depth = e.place > 0.0 ? e.place : 0.0, root = sqrt(depth);
-        e.contact = f->hertz * depth * root;
-        e.steepness = 1.5 * f->hertz * root;
+        double depth = e->place > 0.0 ? e->place : 0.0, root = sqrt(depth);
+        e->contact = f->hertz * depth * root;
+        e->steepness = 1.5 * f->hertz * root;
     }
-    return e;
 }
 
 /* The part of the tick that begins at m, whose length is `length`. */
@@ -151,8 +150,9 @@ ALWAYS_INLINE void book_begin(const struct adams *s, double length, const struct
                               struct adams_motion *m)
 {
     struct powers q;
-    struct end e = end_of(s, 0.0, u, m, s->kind, s->on, s->n_on);
+    struct end e;
     struct adams_rule r = rule_of(length);
+    find_end(s, 0.0, u, m, s->kind, s->on, s->n_on, &e);
     powers_of(s, &e, s->kind, s->on, s->n_on, &q);
     for (int k = 0; k < s->n_on; k++)
         m->begun.work[k] = r.half * q.work[k] + r.twelfth * q.work_rate[k];
@@ -168,7 +168,8 @@ ALWAYS_INLINE void book_end(const struct adams *s, const struct adams_rule *r, d
                             double *damping)
 {
     struct powers q;
-    struct end e = end_of(s, length, u, m, kind, on, n_on);
+    struct end e;
+    find_end(s, length, u, m, kind, on, n_on, &e);
     powers_of(s, &e, kind, on, n_on, &q);
     for (int k = 0; k < n_on; k++) {
         double even = r->half * q.work[k], odd = r->twelfth * q.work_rate[k];

@@ -127,14 +127,13 @@ const char *rate_start(struct rate_run *r, const struct rate_case *c, const stru
     return NULL;
 }
 
-/* A plant_look: the lock-in takes the tick that has ended. */
-static void listen(void *run, const struct plant *pl)
+/* The lock-in takes a tick that ends in state x with inputs u and the drives' phasors. */
+static void hear(struct rate_run *r, const struct plant *pl, const struct input *u, const double *x,
+                 struct phasor phasor)
 {
-    struct rate_run *r = run;
     double output[MODEL_OUTPUTS], phase;
-    const struct drive *d = &pl->drive[r->drive];
-    pl->model->output(pl->p, pl->segment.at[2], pl->x, output);
-    lockin_add(&r->sum, 1, lockin_weight(&r->window) * output[0], d->cosine, d->sine);
+    pl->model->output(pl->p, u, x, output);
+    lockin_add(&r->sum, 1, lockin_weight(&r->window) * output[0], phasor.cosine, phasor.sine);
     if (r->window.i_tick < r->window.n_ticks)
         return;
     lockin_polar(&r->sum, 2.0 / r->window.weight, &r->amplitude, &phase);
@@ -142,8 +141,25 @@ static void listen(void *run, const struct plant *pl)
     r->sum = (struct lockin_sum){0.0, 0.0};
 }
 
+/* A plant_look. */
+static void listen(void *run, const struct plant *pl)
+{
+    struct rate_run *r = run;
+    const struct drive *d = &pl->drive[r->drive];
+    hear(r, pl, pl->segment.at[2], pl->x, (struct phasor){d->cosine, d->sine});
+}
+
+/* A plant_look_ticks. */
+static void listen_ticks(void *run, const struct plant *pl, const struct method_block *b, uint32_t from,
+                         uint32_t n)
+{
+    struct rate_run *r = run;
+    for (uint32_t k = from + 1; k <= from + n; k++)
+        hear(r, pl, b->at[2 * k], b->x[k], b->phasor[k][r->drive]);
+}
+
 bool rate_advance(struct rate_run *r, const struct rate_case *c, uint32_t ticks)
 {
     r->drive = c->drive;
-    return c->lever ? plant_run_seen(&r->plant, ticks, listen, NULL, r) : plant_run(&r->plant, ticks);
+    return c->lever ? plant_run_seen(&r->plant, ticks, listen, listen_ticks, r) : plant_run(&r->plant, ticks);
 }
