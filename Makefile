@@ -42,7 +42,7 @@ test_src = $(foreach name,$(1),$(filter tests/%/$(name).c,$(TEST_SRC)))
 BOARD_TEST := test_board board_bench board_hostile board_record packet
 BATCH_SRC := $(wildcard host_sim/batch/*.c)
 HOST_PARTS := $(filter-out host_sim/main.c,$(HOST_SRC))
-# What the charts of docs/why/papers.md share with the tests.
+# What the charts of docs/papers/figures.md share with the tests.
 PAPER_SRC := $(addprefix tests/papers/,motion.c branch.c branch_read.c theory.c contact.c attractor.c stroboscope.c survival.c one_mode.c)
 # The unit tests with their fixtures, and parts of other programs that they check.
 UNIT_SRC := $(call files,tests/unit tests/physics tests/fixture tests/device) $(call test_src,choose_out)

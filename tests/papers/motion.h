@@ -1,5 +1,5 @@
 /* motion.h - a model in its paper's parameters, state and time, run and watched: stepped sweeps for the
- * charts of docs/why/papers.md. Method: `exact` for a piecewise-linear model, `taylor` for any other. */
+ * charts of docs/papers/figures.md. Method: `exact` for a piecewise-linear model, `taylor` for any other. */
 #ifndef TESTS_PAPERS_MOTION_H
 #define TESTS_PAPERS_MOTION_H
 

@@ -1,5 +1,5 @@
 /* one_mode.h - the shaft with one mode kept (shaft_bearing_mode), which stands for it in the charts of
- * docs/why/papers_shaft.md: integrated, and averaged. */
+ * docs/papers/shaft.md: integrated, and averaged. */
 #ifndef TESTS_PAPERS_ONE_MODE_H
 #define TESTS_PAPERS_ONE_MODE_H
 

@@ -1,4 +1,4 @@
-# papers.mk - `make papers`: the charts of docs/why/papers.md. Each program prints one CSV to docs/img/papers and, to
+# papers.mk - `make papers`: the charts of docs/papers/figures.md. Each program prints one CSV to docs/img/papers and, to
 # build/papers/NAME.txt, the numbers of its text; its charts are docs/img/papers/NAME.svg or NAME-*.svg. Needs gnuplot.
 # The long ones first: they run side by side.
 PAPERS      := maps shaft_numbers shaft_isolas kirrou shaft_soft shaft_hard shaft_edge bichri shaft_motion nayak shaft_linear
@@ -24,6 +24,6 @@ papers-%: $(BUILD)/papers_%
 papers-shaft_numbers: $(BUILD)/papers_shaft_numbers
 	@mkdir -p build/papers
 	@$(if $(SHORT),tests/bench/first_rows.sh $(BUILD)/papers_shaft_numbers -,$(BUILD)/papers_shaft_numbers 2>build/papers/shaft_numbers.txt)
-papers: ## the figures of the four papers, redrawn beside the true contact: docs/why/papers.md (needs gnuplot)
+papers: ## the figures of the four papers, redrawn beside the true contact: docs/papers/figures.md (needs gnuplot)
 	@$(MAKE) -s $(PAPERS:%=papers-%)
 .PHONY: papers

@@ -1,5 +1,5 @@
-/* rows.h - the CSV behind a chart of docs/why/papers.md, to standard output: figure,curve,x,y[,z]; an empty
- * line ends a piece of a curve. */
+/* rows.h - the CSV behind a chart of docs/papers/figures.md, to standard output: figure,curve,x,y[,z]; an
+ * empty line ends a piece of a curve. */
 #ifndef TESTS_PAPERS_ROWS_H
 #define TESTS_PAPERS_ROWS_H
 

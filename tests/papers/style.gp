@@ -1,4 +1,4 @@
-# style.gp - what the charts of docs/why/papers.md share: averaged theory grey lines, the paper's truncated model open orange
+# style.gp - what the charts of docs/papers/figures.md share: averaged theory grey lines, the paper's truncated model open orange
 # circles, the true contact blue. gnuplot -e "csv='...'; out='docs/img/papers'" style.gp NAME.gp
 
 set datafile separator ","

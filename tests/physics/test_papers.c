@@ -1,4 +1,4 @@
-/* test_papers.c - the results in docs/why/papers.md against references made without this code: folds of
+/* test_papers.c - the results in docs/papers/figures.md against references made without this code: folds of
  * periodic branches, jumps of stepped sweeps, closed forms, and the numbers that the papers print. */
 #include "tests/unit/test.h"
 

@@ -1,4 +1,4 @@
-/* test_papers_one_mode.c - the model of one mode beside the shaft, as docs/why/papers_shaft.md has it figure
+/* test_papers_one_mode.c - the model of one mode beside the shaft, as docs/papers/shaft.md has it figure
  * by figure: against closed forms, quadrature, an integration of its own, and the shaft. */
 #include "tests/unit/test.h"
 

@@ -2,7 +2,7 @@
  * tests/data/paper_reference.txt.
  *
  * That file was made without this code. Other tests are coexisting motions of the shaft, and the totals of
- * the table in docs/why/papers_numbers.md. */
+ * the table in docs/papers/numbers.md. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -301,11 +301,11 @@ static bool agrees(const char *row, const char *verdict)
     return row && strncmp(row, verdict, strlen(verdict)) == 0;
 }
 
-/* The table of docs/why/papers_numbers.md: as many rows of each kind as the sentence above it says. */
+/* The table of docs/papers/numbers.md: as many rows of each kind as the sentence above it says. */
 TEST(papers_table)
 {
     static const char *const verdict[] = {"| **no** |", "| 2 of 3 |"};
-    FILE *file = fopen("docs/why/papers_numbers.md", "r");
+    FILE *file = fopen("docs/papers/numbers.md", "r");
     char text[512];
     int rows[2] = {0}, total = 0, told[4] = {-1, -1, -1, -1}; /* told: all, those that agree, rows of each */
     bool table = false;
