@@ -8,6 +8,7 @@
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
 #include "firmware/afm/station.h"
+#include "tests/fixture/afm/plant_bus.h"
 #include "tests/fixture/bus.h"
 #include "tests/fixture/imaginary.h"
 
@@ -270,22 +271,10 @@ static double scratch[METHOD_SCRATCH], engaged_scratch[METHOD_SCRATCH];
 static void start_bus(void)
 {
     static double all[MODEL_PARAMETERS], setting[SETTINGS];
-    struct app_config c = bus_config();
-    for (int i = 0; i < AFM_PLANT_PARAMETERS; i++)
-        all[i] = afm_plant.parameter[i].initial;
+    plant_bus_defaults(all, setting, frame_s);
     memcpy(all, si, sizeof si);
     memcpy(all + AFM_PLANT_NUMBERS, number, sizeof number);
-    for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &afm_plant, frame_s);
-    afm_plant_settings(setting);
-    c.model = &afm_plant;
-    c.method = &afm_plant_method;
-    c.si = all;
-    c.setting = setting;
-    c.substeps = FRAME;
-    c.scratch = scratch;
-    c.stage_calls = &afm_plant_calls;
-    c.stages = (struct stages *)(void *)scratch;
+    const struct app_config c = plant_bus_config(all, setting, FRAME, scratch);
     bus_start_running(&bus, &c);
 }
 

@@ -9,6 +9,7 @@
 #include "firmware/plant/plant_report.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/library/library.h"
+#include "tests/fixture/afm/plant_bus.h"
 #include "tests/fixture/bus.h"
 
 #define TWO_PI 6.283185307179586
@@ -25,28 +26,16 @@ static int deflection[MAILBOX_CODES], z_sensor[MAILBOX_CODES], heard;
 /* A cold lever 100 nm over the sample that all loops leave alone. */
 static void blocks_defaults(void)
 {
-    for (int i = 0; i < afm_plant.n_parameters; i++)
-        si[i] = afm_plant.parameter[i].initial;
-    for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &afm_plant, 1e-3);
-    afm_plant_settings(setting);
+    plant_bus_defaults(si, setting, 1e-3);
     si[AFM_PLANT_NUMBERS + STATION_Z_LOOP] = si[AFM_PLANT_NUMBERS + STATION_DRIVE] = 0.0;
 }
 
 /* Samples of 1/32 of the lever's period, in frames of so many. */
 static void blocks_start(uint32_t samples, double frame_s)
 {
-    struct app_config c = bus_config();
-    c.model = &afm_plant;
-    c.method = &afm_plant_method;
-    c.si = si;
-    c.setting = setting;
-    c.substeps = samples;
+    struct app_config c = plant_bus_config(si, setting, samples, scratch);
     c.frame_s = frame_s;
     c.dilation = frame_s / samples * 32.0 * si[LEVER_F0];
-    c.scratch = scratch;
-    c.stage_calls = &afm_plant_calls;
-    c.stages = (struct stages *)(void *)scratch;
     bus_start_running(&bus, &c);
 }
 

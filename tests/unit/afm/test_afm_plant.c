@@ -9,6 +9,7 @@
 #include "firmware/plant/plant_report.h"
 #include "host_sim/library/library.h"
 #include "host_sim/library/library_afm.h"
+#include "tests/fixture/afm/plant_bus.h"
 #include "tests/fixture/bus.h"
 
 #define TWO_PI 6.283185307179586
@@ -26,25 +27,13 @@ static int plant_number(int i)
 /* The defaults: lever `tapping`, cold, 100 nm over the sample, the z loop on. */
 static void plant_defaults(void)
 {
-    for (int i = 0; i < afm_plant.n_parameters; i++)
-        si[i] = afm_plant.parameter[i].initial;
-    for (int i = 0; i < SETTINGS; i++)
-        setting[i] = setting_initial(i, &afm_plant, 1e-3);
-    afm_plant_settings(setting);
+    plant_bus_defaults(si, setting, 1e-3);
 }
 
 static void start_at(uint32_t substeps, double dilation)
 {
-    struct app_config c = bus_config();
-    c.model = &afm_plant;
-    c.method = &afm_plant_method;
-    c.si = si;
-    c.setting = setting;
-    c.substeps = substeps;
+    struct app_config c = plant_bus_config(si, setting, substeps, scratch);
     c.dilation = dilation;
-    c.scratch = scratch;
-    c.stage_calls = &afm_plant_calls;
-    c.stages = (struct stages *)(void *)scratch;
     bus_start_running(&bus, &c);
 }
 

@@ -121,13 +121,19 @@ TEST(client_counts)
     check_int("a report of the bus", (int64_t)client.bus_faults, 1);
 }
 
+/* The client hears a message that no plant has sent. */
+static void hear(const struct message *m)
+{
+    struct frame f;
+    wire_encode(&bus.scene, m, &f);
+    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
+    client_poll(&client);
+}
+
 static void hear_sync(double frame, double tick)
 {
     const struct message m = {.kind = WIRE_SYNC, .value = {frame, tick}};
-    struct frame f;
-    wire_encode(&bus.scene, &m, &f);
-    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
-    client_poll(&client);
+    hear(&m);
 }
 
 /* The number nearest to the last one with these bits, forwards and back. */
@@ -149,10 +155,7 @@ TEST(client_low_bits)
 static void hear_status(double frame, double session, enum plant_state state)
 {
     const struct message m = {.kind = WIRE_STATUS, .value = {session, state, REACTION_NONE, 0, 0, frame}};
-    struct frame f;
-    wire_encode(&bus.scene, &m, &f);
-    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
-    client_poll(&client);
+    hear(&m);
 }
 
 /* A STATUS is over that a newer one has overtaken on the way; a plant that restarted is believed. */
@@ -176,13 +179,10 @@ TEST(client_status_overtaken)
 static void hear_reply(unsigned session, unsigned message, unsigned counter, enum cause cause)
 {
     struct message m = {.kind = WIRE_REPLY, .value = {[SESSION] = session}};
-    struct frame f;
     m.value[REPLY_MESSAGE] = message;
     m.value[REPLY_COUNTER] = counter;
     m.value[REPLY_CAUSE] = cause;
-    wire_encode(&bus.scene, &m, &f);
-    bus.wires.port[0].hal.send(&bus.wires.port[0], &f);
-    client_poll(&client);
+    hear(&m);
 }
 
 /* A bus that takes its time, as SocketCAN to a board: the plant answers while the command still goes. */

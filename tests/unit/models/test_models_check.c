@@ -205,6 +205,16 @@ TEST(models_tip_saddle)
     }
 }
 
+/* How far two plants come apart at most, in so many ticks. */
+static void run_apart(struct plant *a, struct plant *b, int ticks, double *worst)
+{
+    for (int i = 0; i < ticks; i++) {
+        if (!plant_run(a, 1) || !plant_run(b, 1))
+            check_true("finite", 0);
+        exact_worst(worst, (long double)(fabs(a->x[0] - b->x[0])));
+    }
+}
+
 /* Without drives the two dampers do the same; waviness is minus the base for a rig without damper. */
 TEST(models_rolling_and_rig)
 {
@@ -215,22 +225,14 @@ TEST(models_rolling_and_rig)
     rig[RIG_PAPER_XI] = 0.05;
     paper_start(&a, &rolling_contact, zeta, 1e-2, (double[]){2.5, 0.0});
     paper_start(&b, &hertz_rig, rig, 1e-2, (double[]){2.25, 0.0});
-    for (int i = 0; i < 3000; i++) {
-        if (!plant_run(&a, 1) || !plant_run(&b, 1))
-            check_true("finite", 0);
-        exact_worst(&worst, (long double)(fabs(a.x[0] - b.x[0])));
-    }
+    run_apart(&a, &b, 3000, &worst);
     check_below("rolling contact off the rig, no drives", worst, 1e-13);
     zeta[0] = rig[RIG_PAPER_XI] = 0.0;
     zeta[1] = -0.2, zeta[2] = 0.8;
     rig[RIG_PAPER_BASE] = 0.3, rig[RIG_PAPER_FAST_OMEGA] = 0.8;
     paper_start(&a, &rolling_contact, zeta, 1e-2, (double[]){0.8, 0.0}); /* eta = 1 - 0.2 */
     paper_start(&b, &hertz_rig, rig, 1e-2, (double[]){0.0, 0.0});
-    for (int i = 0; i < 3000; i++) {
-        if (!plant_run(&a, 1) || !plant_run(&b, 1))
-            check_true("finite", 0);
-        exact_worst(&worst, (long double)(fabs(a.x[0] - b.x[0])));
-    }
+    run_apart(&a, &b, 3000, &worst);
     check_below("waviness is minus the base", worst, 1e-12);
 }
 
@@ -249,11 +251,7 @@ static double reduced_error(const struct model *full, const struct model *reduce
     rest[0] += amplitude;
     paper_start(&a, full, paper, 1e-2, rest);
     paper_start(&b, reduced, paper, 1e-2, rest);
-    for (int i = 0; i < 1000; i++) {
-        if (!plant_run(&a, 1) || !plant_run(&b, 1))
-            check_true("finite", 0);
-        exact_worst(&worst, (long double)(fabs(a.x[0] - b.x[0])));
-    }
+    run_apart(&a, &b, 1000, &worst);
     return worst;
 }
 
