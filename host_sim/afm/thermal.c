@@ -56,6 +56,20 @@ static size_t segment_of(const struct afm_bench *b)
 static const char too_short[] = "fewer than two segments: give --seconds %.3g or more";
 static const double rounded_up = 1.005; /* so that three digits are enough */
 
+/* s_1^2 k/k_1 of the beam: the share of kT/k that its first mode has in what the sensor of the slope reads.
+ */
+static double factor_of(const double *si)
+{
+    double beta = beam_modes[0].beta,
+           share = beam_modes[0].sensor * beam_modes[0].sensor * 12.0 / (beta * beta * beta * beta);
+    return si[LEVER_MODES] > 1.0 ? share : 1.0;
+}
+
+double thermal_square(const double *si)
+{
+    return factor_of(si) * boltzmann * si[LEVER_TEMPERATURE] / si[LEVER_K];
+}
+
 int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
 {
     struct station *s = &b->station;
@@ -76,11 +90,7 @@ int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
     half = half < 0.3 * f0 ? half : 0.3 * f0;
     if (!status && !spectrum_fit(&t->spectrum, f0 - half, f0 + half, &t->fit))
         status = options_failure(b->usage, "no resonance within %.4g Hz of f0: give more --seconds", half);
-    /* s_1^2 k/k_1 of the beam: the share of kT/k that its
-     * first mode has in what the sensor of the slope reads */
-    double beta = beam_modes[0].beta,
-           share = beam_modes[0].sensor * beam_modes[0].sensor * 12.0 / (beta * beta * beta * beta);
-    t->factor = b->si[LEVER_MODES] > 1.0 ? share : 1.0;
+    t->factor = factor_of(b->si);
     t->square_m2 = 0.25 * TWO_PI * t->fit.f0_Hz * t->fit.quality * t->fit.low;
     t->stiffness = t->factor * boltzmann * b->si[LEVER_TEMPERATURE] / t->square_m2;
     return status;

@@ -14,6 +14,9 @@ struct thermal {
     double stiffness; /* by equipartition, N/m */
 };
 
+/* The mean square of the first mode at the sensor by equipartition, m^2; si in the order of afm_lever. */
+double thermal_square(const double *si);
+
 /* Before afm_bench_start: no drive, no loop, far from the sample. */
 void thermal_prepare(struct afm_bench *b);
 

@@ -23,6 +23,11 @@ static const struct option fit_options[] = {
     {"base-id", "ID", "of --log: first of the plant's 64 CAN identifiers (0x200)", OPTION_INTEGER, 0.0,
      536870848.0, .initial = "0x200"},
     {"extended", NULL, "of --log: 29-bit identifiers", OPTION_FLAG, .initial = NULL},
+    {"thermal", "FILE",
+     "of an AFM lever: the spectrum of its thermal motion, as contactplant thermal writes it", OPTION_READS,
+     .initial = NULL},
+    {"curve", "FILE", "of an AFM lever: a force curve, .csv or .tab, as contactplant approach writes it",
+     OPTION_READS, .initial = NULL},
     {"plan", NULL, "before measuring: which curves would tell the unknowns, and how well", OPTION_FLAG,
      .initial = NULL},
     {"free", "NAME,..",
@@ -51,6 +56,8 @@ static const struct usage fit_usage = {
         "  contactplant fit rig.ini --ring decay.csv --free stiffness,preload,damping --hold "
         "\"mass=6.1 kg\"\n"
         "  contactplant fit rig.ini --log bench.log --interface can0\n"
+        "  contactplant fit tapping --thermal heat.csv --out lever.ini\n"
+        "  contactplant fit soft --thermal heat.csv --curve curve.tab --out lever.ini\n"
         "  contactplant fit rig.ini --plan --free stiffness,preload,damping\n"
         "  contactplant fit rig.ini --sweep small.csv --free mass,stiffness,damping,delay\n",
     .min_words = 1,

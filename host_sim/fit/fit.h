@@ -9,6 +9,7 @@
 #define HOST_SIM_FIT_FIT_H
 
 #include "host_sim/fit/data/curve.h"
+#include "host_sim/fit/data/lever.h"
 #include "host_sim/fit/data/record.h"
 #include "host_sim/fit/solve/matrix.h"
 #include "host_sim/fit/motion/follow.h"
@@ -23,9 +24,12 @@ enum fit_kind {
     FIT_GAIN_SENSOR,
     FIT_DELAY,
     FIT_OFFSET,
+    FIT_CONTACT,  /* base of a force curve where the model's is 0 */
+    FIT_BASELINE, /* deflection outside */
     FIT_POSITION, /* in which a record begins, from rest */
     FIT_VELOCITY,
-    FIT_PHASE /* a tone's, where that is not known */
+    FIT_PHASE, /* a tone's, where that is not known */
+    FIT_WHITE  /* noise of a spectrum's sensor */
 };
 
 struct fit_unknown {
@@ -50,6 +54,7 @@ struct fit_setup {
     struct curves data;
     uint32_t crc; /* CRC-32 of the data files, one behind the other */
     struct records records;
+    struct lever_set levers;
     const struct fit_unknown *held; /* that does not move, or NULL */
     bool only_starts;               /* only the unknowns of records move */
     int n;                          /* unknowns */

@@ -2,6 +2,7 @@
 #include "host_sim/fit/noise.h"
 
 #include <math.h>
+#include "host_sim/fit/levers.h"
 #include "host_sim/fit/sequence.h"
 
 void noise_assume(struct fit_setup *s)
@@ -22,6 +23,7 @@ void noise_assume(struct fit_setup *s)
         s->noise_known = s->noise_known && !r->assumed;
         r->noise = fmax(r->assumed ? NOISE_ASSUMED * r->size : r->noise, r->floor);
     }
+    levers_assume_noise(s);
 }
 
 /* Half the mean square of the differences of neighbours in the sequences of a curve or record; 1 without any.
@@ -55,4 +57,5 @@ void noise_estimate(struct fit_setup *s, const double *r)
         double factor = fmax(sqrt(variance_of(s, r, -1, i)), NOISE_LEAST * x->size / x->noise);
         x->noise = fmax(x->noise * (x->assumed ? factor : 1.0), x->floor);
     }
+    levers_estimate_noise(s, r);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 #include "host_sim/cli/clock.h"
+#include "host_sim/fit/levers.h"
 #include "host_sim/fit/solve/problem.h"
 #include "host_sim/fit/solve/unknown.h"
 
@@ -23,7 +24,7 @@ static void walk(struct fit_setup *s, const struct fit_result *r, struct profile
         if (u[p->unknown] < unknown_u(x, x->min) || u[p->unknown] > unknown_u(x, x->max))
             return;
         s->held = &s->unknown[p->unknown];
-        p->rise[i] = fmax(problem_solve(s, PROBLEM_PLAIN, u, &steps) - r->chi2, 0.0);
+        p->rise[i] = fmax(problem_solve(s, PROBLEM_PLAIN, u, &steps) - r->chi2, 0.0) / levers_widening(s);
         s->held = NULL;
     }
 }

@@ -7,10 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/fit/data/log_record.h"
+#include "host_sim/fit/levers.h"
 #include "host_sim/fit/motion/linear.h"
 #include "host_sim/fit/noise.h"
 #include "host_sim/fit/solve/problem.h"
 #include "host_sim/scene/scene_load.h"
+#include "models/afm_lever.h"
 #include "models/math/elementary.h"
 
 enum { FEW = 6 /* parameters that are all free where none is named */ };
@@ -37,10 +39,20 @@ static int read_scene(struct fit_setup *s)
 {
     char why[SCENE_REASON];
     s->name = s->o.word[0];
-    if (scene_load_cold(s->name, &s->scene, why) == SCENE_OF_NOTHING)
+    bool lever = options_given(&s->o, "thermal") || options_given(&s->o, "curve");
+    enum scene_origin origin =
+        lever ? scene_load(s->name, &s->scene, why) : scene_load_cold(s->name, &s->scene, why);
+    if (origin == SCENE_OF_NOTHING)
         return misuse(s, "%s", why);
     if (s->scene.paper)
         return misuse(s, "%s has the numbers of a paper; give a scene with a [plant] in SI", s->name);
+    bool is_lever = s->scene.model->modal_form || scene_is_microscope(s->scene.model);
+    if (lever && !is_lever)
+        return misuse(s,
+                      "%s is no AFM lever; --thermal and --curve take soft, tapping, stiff or a scene of one",
+                      s->name);
+    if (is_lever)
+        return lever ? 0 : misuse(s, "%s: of a lever a fit takes --thermal FILE and --curve FILE", s->name);
     if (s->scene.model->n_states > ORBIT_STATES)
         return misuse(s, "%s: a fit does not take the model %s", s->name, s->scene.model->name);
     const struct method *method = method_find(s->scene.method);
@@ -100,6 +112,8 @@ static int add_chain(struct fit_setup *s, const struct chain_unknown *c)
     struct fit_unknown k = {
         .kind = c->kind, .unit = c->unit, .min = c->min, .max = c->max, .start = c->start, .unit_of_u = 1.0};
     const struct curve *smallest = &s->data.curve[0];
+    if (s->levers.n)
+        return misuse(s, "%s is no unknown of a lever; contact and baseline are, by themselves", c->name);
     if (c->kind == FIT_DELAY && !s->data.n)
         return misuse(s, "delay is told by response curves alone; give --sweep, or take it out of --free");
     if (c->kind == FIT_OFFSET && !s->records.n)
@@ -151,12 +165,12 @@ static int free_all(struct fit_setup *s, const bool *held)
     const struct model *m = s->scene.model;
     struct scene_range r;
     int status = 0, index;
-    if (m->n_parameters > FEW)
+    if (m->n_parameters > FEW && !s->levers.n)
         return misuse(s, "%s has %d numbers: name the unknowns, --free NAME,..", m->name, m->n_parameters);
     for (int i = 0; i < m->n_parameters && !status; i++) {
-        if (held[i])
-            continue;
         const char *name = m->parameter[i].name;
+        if (held[i] || (s->levers.n && !levers_tell(s, i)))
+            continue;
         status = find_parameter(s, name, strlen(name), &r, &index);
         status = status ? status : add_parameter(s, &r, index);
     }
@@ -224,6 +238,8 @@ static int add_starts(struct fit_setup *s)
 {
     double p[MODEL_DERIVED];
     struct scale scale;
+    if (!s->records.n)
+        return 0;
     s->scene.model->prepare(s->scene.value, p, &scale);
     double rate = s->scene.model->eigenfrequency(p) / scale.time_s;
     int status = 0;
@@ -254,6 +270,7 @@ static int read_unknowns(struct fit_setup *s)
     status = options_given(&s->o, "free") ? read_free(s, held) : free_all(s, held);
     if (!status && !s->n)
         return misuse(s, "nothing is unknown: every number is held");
+    status = status ? status : levers_add_chain(s, add_unknown);
     return status ? status : add_starts(s);
 }
 
@@ -270,6 +287,22 @@ static void sort_curves(struct curves *c)
         }
 }
 
+static int read_levers(struct fit_setup *s)
+{
+    static const char *const option[] = {[LEVER_SPECTRUM] = "thermal", [LEVER_CURVE] = "curve"};
+    int status = 0;
+    for (int kind = 0; kind < LEVER_DATA && !status; kind++)
+        if (options_given(&s->o, option[kind]))
+            status = lever_read(s->o.usage, options_text(&s->o, option[kind], 0), (enum lever_kind)kind,
+                                &s->crc, &s->levers);
+    if (!status && s->levers.n && (s->data.n || s->records.n))
+        return misuse(s,
+                      "--thermal and --curve are of a lever, the other data of a rig; give one of the two");
+    if (!status && options_given(&s->o, "thermal") && !(s->scene.value[LEVER_TEMPERATURE] > 0.0))
+        return misuse(s, "%s is at 0 K; give it the temperature of the measurement", s->name);
+    return status;
+}
+
 static int read_data(struct fit_setup *s)
 {
     const struct usage *u = s->o.usage;
@@ -282,9 +315,10 @@ static int read_data(struct fit_setup *s)
         status = records_read(u, options_text(&s->o, "series", i), &s->scene, true, &s->crc, &s->records);
     for (int i = 0; i < options_count(&s->o, "log") && !status; i++)
         status = log_record_read(&s->o, options_text(&s->o, "log", i), &s->crc, &s->records);
+    status = status ? status : read_levers(s);
     if (status)
         return status;
-    bool plan = options_given(&s->o, "plan"), measured = s->data.n || s->records.n;
+    bool plan = options_given(&s->o, "plan"), measured = s->data.n || s->records.n || s->levers.n;
     if (plan && measured)
         return misuse(s, "--plan comes before measuring: take the data away");
     if (plan &&
@@ -314,6 +348,10 @@ static int make_room(struct fit_setup *s)
     for (int i = 0; i < s->records.n; i++) {
         s->n_residuals += s->records.record[i].n;
         numbers += record_count(s->records.record[i].y, s->records.record[i].n);
+    }
+    for (int i = 0; i < s->levers.n; i++) {
+        s->n_residuals += s->levers.data[i].n;
+        numbers += s->levers.data[i].n;
     }
     if (numbers <= s->n && !options_given(&s->o, "plan"))
         return misuse(s, "%d numbers for %d unknowns: measure more points, or hold some unknowns", numbers,
@@ -359,5 +397,6 @@ void fit_free(struct fit_setup *s)
         free(s->point[c]);
     curves_free(&s->data);
     records_free(&s->records);
+    lever_free(&s->levers);
     free(s->task.scratch);
 }

@@ -1,13 +1,13 @@
-/* sequence.h - residuals in their order along a curve or a record, for tests of them: the real parts of a
- * curve, its imaginary parts, or a record. */
+/* sequence.h - residuals in their order along a curve or a record, for tests of them. A sequence has the real
+ * parts of a curve, its imaginary parts, a record, or each LEVER_LAG-th number of a lever's data. */
 #ifndef HOST_SIM_FIT_SEQUENCE_H
 #define HOST_SIM_FIT_SEQUENCE_H
 
 #include "host_sim/fit/fit.h"
 
 struct sequence {
-    int first, step, n; /* number i is residual first + i step of all */
-    int curve, record;  /* one of them, the other is -1 */
+    int first, step, n;       /* number i is residual first + i step of all */
+    int curve, record, lever; /* one of them, the others are -1 */
 };
 
 /* Sequence q; false: there are no more. */

@@ -10,8 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/clock.h"
+#include "host_sim/fit/levers.h"
 #include "host_sim/fit/noise.h"
-#include "host_sim/fit/solve/problem.h"
+#include "host_sim/fit/solve/problem_levers.h"
 #include "host_sim/fit/progress.h"
 #include "host_sim/fit/sequence.h"
 
@@ -20,9 +21,10 @@ static const double line_most = 2.3; /* a factor of 10 */
 static const double line_least = 0.05;
 static const double deviations = 20.0; /* deviations of the weak direction, along the line */
 static const double beside = 0.2;      /* further starts, from the best place */
-static const double passed_by = 0.1;   /* cost and every unknown: two fits that have come to one place */
-static const double same_u = 1.0;      /* in standard deviations: one minimum */
-static const double same_chi2 = 4.0;   /* another minimum as good, to two standard deviations */
+static const double narrow_sd = 10.0;
+static const double passed_by = 0.1; /* cost and every unknown: two fits that have come to one place */
+static const double same_u = 1.0;    /* in standard deviations: one minimum */
+static const double same_chi2 = 4.0; /* another minimum as good, to two standard deviations */
 
 /* The direction in which the smallest curve says least, its largest component 1. Returns how far to look. */
 static double weak_direction(struct fit_setup *s, const double *u, double *direction)
@@ -95,12 +97,17 @@ static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT
     return n;
 }
 
-/* Further starts: each unknown of the best place is moved one way or the other. */
-static void add_beside(const struct fit_setup *s, double (*place)[FIT_UNKNOWNS], int n)
+/* Further starts: each unknown of the best place is moved one way or the other. A lever's resonance is
+ * narrow: there the move is no longer than some standard deviations. */
+static void add_beside(struct fit_setup *s, double (*place)[FIT_UNKNOWNS], int n)
 {
+    struct fit_result r = {.chi2 = 0.0};
+    memcpy(r.u, place[0], sizeof r.u);
+    bool narrow = s->levers.n && starts_spread(s, &r);
     for (int i = n; i < FIT_STARTS; i++)
         for (int k = 0; k < s->n; k++) {
-            double moved = place[0][k] + ((i - n) >> k & 1 ? -beside : beside);
+            double by = narrow ? fmin(beside, narrow_sd * r.sd[k]) : beside;
+            double moved = place[0][k] + ((i - n) >> k & 1 ? -by : by);
             place[i][k] = s->unknown[k].kind == FIT_PARAMETER ? moved : place[0][k];
         }
 }
@@ -125,6 +132,7 @@ bool starts_spread(struct fit_setup *s, struct fit_result *r)
     if (!a)
         return false;
     problem_slopes(&p, r->u, a);
+    problem_levers_widen(s, a);
     matrix_singular(s->n_residuals, s->n, a, r->s, r->v);
     free(a);
     for (int i = 0; i < s->n; i++)
@@ -232,8 +240,12 @@ bool starts_fit(struct fit_setup *s, struct fit_result *r)
     for (int k = 0; k < s->n; k++)
         u[k] = unknown_u(&s->unknown[k], s->unknown[k].start);
     s->n_active = s->data.n;
-    (void)problem_solve(s, PROBLEM_LINEAR, u, &steps);
-    int n = search_line(s, u, place);
+    if (s->levers.n)
+        levers_start(s, u);
+    else
+        (void)problem_solve(s, PROBLEM_LINEAR, u, &steps);
+    memcpy(place[0], u, sizeof place[0]);
+    int n = s->levers.n ? 1 : search_line(s, u, place);
     if (!n)
         return false;
     add_beside(s, place, n);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/unit.h"
+#include "host_sim/fit/levers.h"
 #include "host_sim/fit/plan.h"
 #include "host_sim/fit/solve/problem.h"
 
@@ -205,9 +206,15 @@ void tell_fit(struct fit_setup *s, const struct fit_result *r, const struct judg
     int hidden = 0;
     for (int k = 0; k < s->n; k++)
         hidden += fit_is_hidden(&s->unknown[k]);
-    fprintf(f, "%s: %d unknown%s, %d curve%s, %d record%s\n", s->name, s->n - hidden,
-            s->n - hidden > 1 ? "s" : "", s->data.n, s->data.n == 1 ? "" : "s", s->records.n,
-            s->records.n == 1 ? "" : "s");
+    fprintf(f, "%s: %d unknown%s, ", s->name, s->n - hidden, s->n - hidden > 1 ? "s" : "");
+    if (s->levers.n)
+        fprintf(f, "%s\n",
+                s->levers.n > 1          ? "a spectrum and a force curve"
+                : s->levers.data[0].kind ? "a force curve"
+                                         : "a spectrum");
+    else
+        fprintf(f, "%d curve%s, %d record%s\n", s->data.n, s->data.n == 1 ? "" : "s", s->records.n,
+                s->records.n == 1 ? "" : "s");
     tell_table(s, r, f);
     tell_residuals(s, r, j, f);
     if (s->n - hidden > 1 && largest(s, r->sd) > weak) {
@@ -216,6 +223,8 @@ void tell_fit(struct fit_setup *s, const struct fit_result *r, const struct judg
         if (s->data.n)
             tell_plan(s, r, f);
     }
+    if (s->levers.n)
+        levers_tell_rest(s, f);
     for (int i = 0; i < j->n_notes; i++)
         fprintf(f, "note: %s\n", j->note[i]);
 }

@@ -305,6 +305,124 @@ def test_records():
     verdict("a series without its drive", r.returncode == 2 and "no column with the drive" in r.stderr, told(r))
 
 
+LEVER = {"f0": 70e3, "stiffness": 2.0, "quality": 150.0, "hamaker": 6.4e-20, "hamaker_out": 9e-20, "modulus": 1e9}
+RADIUS, A0, KT = 10e-9, 0.165e-9, 1.380649e-23 * 295
+
+
+def heat_text(lever, segments, seed):
+    """A spectrum by the fluctuation-dissipation theorem, each bin a mean of so many periodograms; 0.3 fm^2/Hz of white noise."""
+    g, rows = random.Random(seed), []
+    f0, k, q = lever["f0"], lever["stiffness"], lever["quality"]
+    for i in range(1, 1200):
+        f = 0.5 * f0 * (1 + i / 1200)
+        f += 0.1 * f0
+        density = 2 * KT / (math.pi * k * f0 * q) / ((1 - (f / f0) ** 2) ** 2 + (f / f0 / q) ** 2) + 1e-27
+        rows.append("%.9g,%.6g\n" % (f, g.gammavariate(segments, density / segments)))
+    return "frequency_Hz,density_m2_per_Hz\n" + "".join(rows)
+
+
+def root(f, low, high):
+    """By bisection."""
+    if not f(low) * f(high) <= 0:
+        return None
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (low, middle) if f(low) * f(middle) <= 0 else (middle, high)
+    return low
+
+
+def rest(lever, base, out, touching, power):
+    """Gap of the lever at rest, on this side; None where there is none."""
+    pull = lever["hamaker_out" if out else "hamaker"] * RADIUS / 6
+    hertz = 4 / 3 * lever["modulus"] * math.sqrt(RADIUS) * (1e-9) ** (1.5 - power)
+
+    def balance(d):
+        force = -pull / d ** 2 if d > A0 else hertz * (A0 - d) ** power - pull / A0 ** 2
+        return lever["stiffness"] * (d - base) - force
+
+    return root(balance, base - 200e-9, A0) if touching else root(balance, max(2 / 3 * base, A0), base) if base > A0 else None
+
+
+def curve_text(lever, noise, contact, seed, power=1.5):
+    """Down to -5 nm and back up to 25 nm; the base counts from `contact`."""
+    g, touching, rows, n = random.Random(seed), False, [], 240
+    for i in range(2 * n):
+        base = (25 - 30 * (i if i < n else 2 * n - 1 - i) / (n - 1)) * 1e-9
+        gap = rest(lever, base, i >= n, touching, power)
+        if gap is None:
+            touching = not touching
+            gap = rest(lever, base, i >= n, touching, power)
+        rows.append("%d,%.9g,%.9g\n" % (i >= n, base + contact, gap - base + g.gauss(0, noise)))
+    return "retract,base_m,deflection_m\n" + "".join(rows)
+
+
+def off_lever(text, lever=LEVER):
+    got = table(text)
+    for name, value, prefix in re.findall(r"^  (\w+) +(\S+) ([kMG]?)Hz", text, re.M):
+        got[name] = (float(value) * {"k": 1e3, "M": 1e6}.get(prefix, 1), got[name][1])
+    return max(abs(math.log(got[k][0] / lever[k])) / got[k][1] for k in got if k in lever)
+
+
+def test_levers():
+    put("heat.csv", heat_text(LEVER, 60, 3))
+    put("curve.csv", curve_text(LEVER, 20e-12, 3e-9, 4))
+    scene = run("scene", "tapping").stdout
+    for name, value in (("f0", "70 kHz"), ("stiffness", "2 N/m"), ("quality", "400"), ("hamaker", "6.4e-20 J"), ("hamaker_out", "6.4e-20 J"), ("modulus", "1e+09 Pa")):
+        factor = {"f0": "40 kHz", "stiffness": "3.9 N/m", "quality": "290", "hamaker": "1.2e-19 J", "hamaker_out": "1.2e-19 J", "modulus": "5.2e8 Pa"}[name]
+        scene = re.sub(r"^%s = %s " % (name, re.escape(value)), "%s = %s " % (name, factor), scene, flags=re.M)
+    put("lever.ini", scene)
+    r = run("fit", "lever.ini", "--thermal", "heat.csv")
+    got = table(r.stdout)
+    verdict("a spectrum gives f0, stiffness and quality of a lever", r.returncode == 0 and off_lever(r.stdout) < 1.5 and got["stiffness"][1] < 0.08 and got["quality"][1] < 0.08, told(r))
+    verdict("  and says what it does not", re.search(r"^not determined, as in the scene: temperature, modes, radius, hamaker, .*modulus", r.stdout, re.M), told(r))
+    r = run("fit", "lever.ini", "--thermal", "heat.csv", "--curve", "curve.csv", "--out", "found.ini", "--svg", "found.svg")
+    got, contact = table(r.stdout), re.search(r"^  contact +(\S+) nm +\+- \S+ pm +\+- (\S+) pm", r.stdout, re.M)
+    verdict("with a force curve, all six", r.returncode == 0 and off_lever(r.stdout) < 1.5 and len(got) == 6 and max(w for _, w in got.values()) < 0.1, told(r))
+    verdict("  where contact begins, too", contact and abs(float(contact[1]) - 3) < 1.5e-3 * float(contact[2]), told(r))
+    text = open(os.path.join(directory, "found.ini")).read() if exists("found.ini") else ""
+    crc = "%08x" % zlib.crc32((open(os.path.join(directory, "heat.csv")).read() + open(os.path.join(directory, "curve.csv")).read()).encode())
+    verdict("  --out has the CRC-32 of both, and is a scene", crc in text and run("scene", "found.ini").returncode == 0, text[:600])
+    verdict("  --svg draws both", exists("found.svg") and "density" in open(os.path.join(directory, "found.svg")).read() and "nan" not in open(os.path.join(directory, "found.svg")).read(), "")
+    r = run("fit", "lever.ini", "--curve", "curve.csv", "--hold", "stiffness=2 N/m")
+    verdict("a force curve alone, with the stiffness held", r.returncode == 0 and off_lever(r.stdout) < 1.5 and table(r.stdout)["modulus"][1] < 0.03, told(r))
+    put("cone.csv", curve_text(LEVER, 20e-12, 3e-9, 5, power=2.0))
+    r = run("fit", "lever.ini", "--curve", "cone.csv", "--hold", "stiffness=2 N/m")
+    verdict("the force curve of a cone: told", "not white" in r.stdout or r.returncode == 1, told(r))
+
+
+def test_plant_levers():
+    assert run("thermal", "soft", "--seconds", "5", "--out", "heat.csv").returncode == 0
+    assert run("approach", "soft", "--tab", "curve.tab", "--out", "curve.csv").returncode == 0
+    true = {"f0": 13e3, "stiffness": 0.2, "quality": 30.0, "hamaker": 6.4e-20, "hamaker_out": 6.4e-20, "modulus": 1e9}
+    r = run("fit", "soft", "--thermal", "heat.csv", "--curve", "curve.tab")
+    verdict("a lever from its plant's own thermal and approach: what was put in", r.returncode == 0 and off_lever(r.stdout, true) < 1.5 and len(table(r.stdout)) == 6, told(r))
+    other = run("fit", "soft", "--thermal", "heat.csv", "--curve", "curve.csv")
+    verdict("  .csv and .tab tell the same", all(abs(table(other.stdout)[k][0] / v - 1) < 1e-3 for k, (v, _) in table(r.stdout).items()), told(other))
+
+
+def test_bad_levers():
+    heat, curve, small_curve = heat_text(LEVER, 60, 3), curve_text(LEVER, 20e-12, 0, 4), "retract,base_m,deflection_m\n0,0,0\n0,1,0\n"
+    for option, name, text, place, words in (
+            ("--thermal", "no density", "frequency_Hz,volt\n1,2\n", "1:1", "density_m2_per_Hz"), ("--thermal", "no unit", heat.replace("density_m2_per_Hz", "density", 1), "1:14", "density_m2_per_Hz"),
+            ("--thermal", "another unit", heat.replace("m2_per_Hz", "m_per_Hz", 1), "1:14", "write density"), ("--thermal", "density 0", heat + "1e9,0\n", "1201:5", "not above 0"),
+            ("--thermal", "falls", heat + "1,1\n", "1201:1", "does not rise"), ("--thermal", "few rows", "\n".join(heat.splitlines()[:9]) + "\n", "9", "32 at least"),
+            ("--thermal", "no resonance", "frequency_Hz,density_m2_per_Hz\n" + "".join("%d,1e-25\n" % i for i in range(1, 99)), None, "no resonance"),
+            ("--curve", "no base", "x,y\n1,2\n", "1:1", "no column base_m"), ("--curve", "no unit", curve.replace("base_m", "base", 1), "1:9", "unit is missing"),
+            ("--curve", "which way", curve.replace("\n0,", "\nno,", 1), "2:1", "write 1 on the way back"), ("--curve", "few rows", small_curve, "3", "32 at least"),
+            ("--curve", "still", "base_m,deflection_m\n" + "1,1\n" * 40, None, "does not move"), ("--curve", "a .tab without them", "# a\tb\tc\n1\t2\t3\n", "1:3", "height (measured)"),
+            ("--curve", "nothing", "", 1, "no header")):
+        put("bad.csv", text)
+        r = run("fit", "tapping", option, "bad.csv", "--out", "no.ini")
+        at = "bad.csv:%s: " % place if place else "bad.csv: "
+        verdict("bad %s, %s: %s" % (option, name, words), r.returncode == 2 and r.stderr.count("\n") == 1 and at in r.stderr and words in r.stderr and not r.stdout and not exists("no.ini"), told(r))
+    put("heat.csv", heat)
+    cold = put("cold.ini", run("scene", "tapping").stdout.replace("temperature = 295 K", "temperature = 0 K"))
+    for words, why in ((("rig.ini", "--thermal", "heat.csv"), "is no AFM lever"), (("tapping", "--thermal", "heat.csv", "--sweep", "small.csv"), "of a rig"), ((cold, "--thermal", "heat.csv"), "0 K"),
+                       (("tapping",), "--thermal FILE"), (("tapping", "--thermal", "heat.csv", "--free", "gain.sensor"), "no unknown of a lever"), (("tapping", "--thermal", "heat.csv", "--plan"), "--plan")):
+        r = run("fit", *words)
+        verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
+
+
 def invert(a):
     """The inverse of a small matrix, by Gauss and Jordan."""
     n = len(a)
@@ -448,7 +566,7 @@ def test_bad_lines():
                        (("--free", "gain.forse"), "did you mean gain.force"), (("--out", "small.csv"), "read by this command")):
         r = fit("--sweep", "small.csv", *words)
         verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
-    for words, why in ((("rig.ini",), "no data"), ((), "missing"), (("bbp-fig2-force", "--sweep", "small.csv"), "paper"), (("tapping", "--sweep", "small.csv"), "does not take"),
+    for words, why in ((("rig.ini",), "no data"), ((), "missing"), (("bbp-fig2-force", "--sweep", "small.csv"), "paper"), (("tapping", "--sweep", "small.csv"), "--thermal FILE and --curve"),
                        (("shaft_bearing", "--sweep", "small.csv"), "--free"), (("rig.ini", "--sweep", "none.csv"), "none.csv"), (("rig.ini", "--sweep", "."), ".")):
         r = run("fit", *words)
         verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
@@ -463,6 +581,9 @@ test_forms()
 test_records()
 test_logs()
 test_plant_logs()
+test_levers()
+test_plant_levers()
+test_bad_levers()
 test_plan()
 test_pictures()
 test_sweep()

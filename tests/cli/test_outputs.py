@@ -24,7 +24,7 @@ BAD = [re.compile(WORD % w, re.I) for w in (r"[-+]?nan", r"[-+]?inf", r"[-+]?inf
                              r"\b4294967295\b", r"-2147483648\b", r"-9223372036854775808\b", r"\(null\)", r"%[dsg]\b")]
 # documented: the protocol's field that may be NaN; the range of a 32-bit field
 TRUE = {"list": "NaN: nothing to measure", "dbc": "4294967295", "dissector": "NaN: nothing to measure"}
-INPUTS = {"test": {"requirements"}, "basin": {"rows"}, "scan": {"surface"}, "run": {"plants"}}
+INPUTS = {"test": {"requirements"}, "basin": {"rows"}, "scan": {"surface"}, "run": {"plants"}, "fit": {"log", "thermal", "curve"}}
 KINDS = ("FILE", "DIR", "WHERE")
 
 
@@ -210,7 +210,8 @@ with tempfile.TemporaryDirectory() as top:
     for i, extra in enumerate(([], ["--setting", "displacement_delay_frames=20"])):
         on_a_bus(folder_of("bus%d" % i), *extra)
     folder = folder_of("bus0")
-    for words in ("decode run.log rig --out d.csv --events e.csv --svg d.svg --report d.html", "decode run.log rig", "export run.log --out e.pcapng", "replay run.log rig", "compare run.log run.log --model rig"):
+    for words in ("decode run.log rig --out d.csv --events e.csv --svg d.svg --report d.html", "decode run.log rig", "export run.log --out e.pcapng", "replay run.log rig", "compare run.log run.log --model rig",
+                  "thermal soft --seconds 0.5 --out h.csv", "approach soft --tab c.tab --out c.csv", "fit soft --thermal h.csv --curve c.tab --out l.ini --report l.html"):
         run(words.split(), folder)
         used.setdefault(words.split()[0], set()).update(w[2:] for w in words.split() if w.startswith("--"))
     away = next(os.path.join(d, f) for d, _, fs in os.walk(top) for f in fs if f.startswith("away") and f.endswith(".log"))

@@ -76,7 +76,7 @@ static int split(struct table *t)
     char *at = t->text;
     t->n = 0;
     for (bool more = true; more; t->n++) {
-        char *comma = strchr(at, ',');
+        char *comma = strchr(at, t->tabs ? '\t' : ',');
         more = comma;
         if (t->n == TABLE_CELLS)
             return table_wrong(t, -1, "more than %d cells", TABLE_CELLS);
@@ -89,6 +89,13 @@ static int split(struct table *t)
     return 0;
 }
 
+/* A comment of three cells at least. */
+static bool names_columns(const char *text)
+{
+    const char *tab = *text == '#' ? strchr(text, '\t') : NULL;
+    return tab && strchr(tab + 1, '\t');
+}
+
 /* The next line with cells; comments before the header have keys. */
 static int next_line(struct table *t, bool header, bool *more)
 {
@@ -96,6 +103,11 @@ static int next_line(struct table *t, bool header, bool *more)
     while (!(status = read_line(t, more)) && *more) {
         char *text = t->line == 1 && !strncmp(t->text, "\xef\xbb\xbf", 3) ? t->text + 3 : t->text;
         memmove(t->text, text, strlen(text) + 1);
+        t->tabs = header ? names_columns(t->text) : t->tabs;
+        if (header && t->tabs) {
+            *t->text = ' ';
+            return split(t);
+        }
         if (*t->text == '#' && header && (status = take_key(t)))
             return status;
         if (*t->text != '#' && t->text[strspn(t->text, " \t")])
@@ -133,6 +145,7 @@ static int read_header(struct table *t)
 int table_open(struct table *t)
 {
     t->line = t->n = t->n_name = 0;
+    t->tabs = false;
     t->f = NULL;
     t->f = fopen(t->path, "rb");
     if (!t->f)

@@ -1,6 +1,7 @@
 /* table.h - a data file as a table: lines `# key = value unit`, a header with units, rows of numbers with
- * commas between them. Each mistake is one line with file, line and column. Functions that return a status
- * have printed it when it is not 0. */
+ * commas between them. Or tabs, and the header is a comment with tabs, as in a .tab of afmformats. Each
+ * mistake is one line with file, line and column. Functions that return a status have printed it when it is
+ * not 0. */
 #ifndef HOST_SIM_FIT_TABLE_H
 #define HOST_SIM_FIT_TABLE_H
 
@@ -18,6 +19,7 @@ struct table {
     uint32_t crc; /* CRC-32 of the bytes so far; begins as the caller says */
     int line;
     char text[TABLE_LINE], header[TABLE_LINE];
+    bool tabs;                     /* between the cells, instead of commas */
     int n;                         /* cells of the line */
     const char *cell[TABLE_CELLS]; /* without blanks around */
     int column[TABLE_CELLS];       /* where it begins, from 1 */

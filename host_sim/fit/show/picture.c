@@ -7,7 +7,7 @@
 #include "host_sim/cli/unit.h"
 #include "host_sim/fit/profile.h"
 #include "host_sim/fit/progress.h"
-#include "host_sim/fit/solve/problem.h"
+#include "host_sim/fit/solve/problem_levers.h"
 #include "host_sim/fit/solve/unknown.h"
 #include "host_sim/fit/tell.h"
 #include "host_sim/report/figure.h"
@@ -114,7 +114,31 @@ static void draw_record(struct figure *g, const struct fit_setup *s, int i, cons
     put(g, FIGURE_POINTS, "residual", CHART_BLUE, c, c->residual);
 }
 
-static bool draw_data(struct figure *g, const struct fit_setup *s, const struct fit_result *r,
+/* ---- levers ---- */
+
+static void draw_lever(struct figure *g, struct fit_setup *s, const double *u, struct lever_data *d,
+                       const double *residual, struct columns *c)
+{
+    bool heat = d->kind == LEVER_SPECTRUM;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int k = 0; k < d->n; k++) {
+        double fit = problem_levers_value(s, d, u, k, false);
+        c->x[k] = d->x[k];
+        c->data[k] = heat ? log10(d->y[k]) : d->y[k];
+        c->fit[k] = heat ? log10(fit) : fit;
+        c->residual[k] = d->side[k] == LEVER_SKIPPED ? (double)NAN : residual[k];
+        low = fmin(low, d->x[k]);
+        high = fmax(high, d->x[k]);
+    }
+    figure_axis(g, &(struct figure_axis){heat ? "frequency" : "base", heat ? "Hz" : "m", low, high, false});
+    figure_panel(g, heat ? "log10 of the density, m^2/Hz" : "deflection", heat ? "" : "m", CURVE_PX);
+    put(g, FIGURE_POINTS, "data", CHART_BLUE, c, c->data);
+    put(g, FIGURE_LINE, "fit", CHART_RED, c, c->fit);
+    figure_panel(g, "residuals, standard deviations", "", RESIDUAL_PX);
+    put(g, FIGURE_POINTS, "residual", CHART_BLUE, c, c->residual);
+}
+
+static bool draw_data(struct figure *g, struct fit_setup *s, const struct fit_result *r,
                       const double *residual)
 {
     bool good = true;
@@ -134,6 +158,15 @@ static bool draw_data(struct figure *g, const struct fit_setup *s, const struct 
         if (good)
             draw_record(g, s, i, residual, &c);
         residual += s->records.record[i].n;
+        free(c.memory);
+    }
+    for (int i = 0; i < s->levers.n && good; i++) {
+        struct columns c;
+        struct lever_data *d = &s->levers.data[i];
+        good = make_columns(&c, d->n);
+        if (good)
+            draw_lever(g, s, r->u, d, residual, &c);
+        residual += d->n;
         free(c.memory);
     }
     return good;

@@ -1,5 +1,6 @@
 /* problem.c - see problem.h. */
 #include "host_sim/fit/solve/problem_curves.h"
+#include "host_sim/fit/solve/problem_levers.h"
 #include "host_sim/fit/solve/problem_records.h"
 #include "host_sim/fit/solve/unknown.h"
 
@@ -21,7 +22,7 @@ static int size_of(const struct problem *p)
     int m = 0;
     for (int c = 0; c < problem_curves(p); c++)
         m += 2 * p->s->data.curve[c].n;
-    return m + problem_records_size(p);
+    return m + problem_records_size(p) + problem_levers_size(p);
 }
 
 int problem_size(struct fit_setup *s, enum problem_form form)
@@ -33,10 +34,12 @@ int problem_size(struct fit_setup *s, enum problem_form form)
 double problem_residuals(void *context, const double *u, double *r)
 {
     const struct problem *p = context;
-    int records = size_of(p) - problem_records_size(p);
+    int levers = size_of(p) - problem_levers_size(p), records = levers - problem_records_size(p);
     double cost = problem_curves_residuals(p, u, r);
     if (isfinite(cost))
         cost += problem_records_residuals(p, u, r + records);
+    if (isfinite(cost))
+        cost += problem_levers_residuals(p, u, r + levers);
     return isfinite(cost) ? cost : HUGE_VAL;
 }
 
@@ -70,13 +73,15 @@ static bool stays(const struct fit_setup *s, int k)
 void problem_slopes(void *context, const double *u, double *a)
 {
     struct problem *p = context;
-    int n = p->s->n, m = size_of(p), records = m - problem_records_size(p);
+    int n = p->s->n, m = size_of(p), levers = m - problem_levers_size(p);
+    int records = levers - problem_records_size(p);
     if (p->form == PROBLEM_LINEAR) {
         slopes_linear(p, u, a);
         return;
     }
     problem_curves_slopes(p, u, a);
     problem_records_slopes(p, u, a + records * n);
+    problem_levers_slopes(p, u, a + levers * n);
     for (int k = 0; k < n; k++)
         for (int i = 0; i < m && stays(p->s, k); i++)
             a[i * n + k] = 0.0;
