@@ -32,5 +32,6 @@ int cmd_choose(int argc, char **argv);
 int cmd_demo(int argc, char **argv);
 int cmd_fmu(int argc, char **argv);
 int cmd_fit(int argc, char **argv);
+int cmd_help(int argc, char **argv);
 
 #endif

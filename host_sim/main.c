@@ -2,6 +2,7 @@
 #include "host_sim/cli/options_help.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
+#include "host_sim/help/help.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
 #include "host_sim/out/plain.h"
@@ -21,8 +22,8 @@
 #include "models/scenes/scenes_table.h"
 
 #define PAGES                                                                                                \
-    "Pages (docs/..) lie in the source, and in share/doc/contactplant below the prefix\nof an "              \
-    "installation.\n"
+    "Pages (docs/..) are printed by contactplant help PAGE, and searched by contactplant help\n--search "    \
+    "WORDS. They lie in the source, and in share/doc/contactplant of an installation.\n"
 
 static int cmd_man(int argc, char **argv);
 /* The parameters of all models, each name once. */
@@ -115,6 +116,8 @@ static const struct command {
     {WANT_EMBED, "dissector", "print the dissector of a scene for Wireshark", cmd_dissector},
     {WANT_PRINT, "list", "print models, scenes, parameters, settings, methods and messages", cmd_list},
     {WANT_PRINT, "selftest", "measure numbers whose exact value is known", cmd_selftest},
+    {WANT_PRINT, "help", "print a page of the guides, search them, or say what to do about an error",
+     cmd_help},
     {WANT_PRINT, "man", "print the manual page", cmd_man},
     {WANT_PRINT, "completion", "print the completion of these words for bash", cmd_completion},
     {WANT_PRINT, "version", "print the version, the protocol and the library's ABI", cmd_version},
@@ -122,7 +125,15 @@ static const struct command {
 
 enum { COMMANDS = sizeof command / sizeof command[0], NAME_SIZE = 32 };
 
-static int help(void)
+static const struct command *find_command(const char *name)
+{
+    for (int i = 0; i < COMMANDS; i++)
+        if (!strcmp(name, command[i].name))
+            return &command[i];
+    return NULL;
+}
+
+static int help(bool pages_too)
 {
     printf("usage: contactplant SUBCOMMAND [ARGUMENTS]\n\n"
            "Computes a test rig whose contacts make and break, in real time. Controllers speak with it over "
@@ -143,6 +154,10 @@ static int help(void)
            "  contactplant run                    a plant at udp:20000 ...\n"
            "  contactplant control                ... and in another terminal its controller\n"
            "  contactplant monitor                ... and in a third one its messages\n");
+    if (pages_too) {
+        putchar('\n');
+        (void)cmd_help(1, (char *[]){(char[]){"help"}, NULL});
+    }
     return STATUS_DONE;
 }
 
@@ -273,10 +288,12 @@ int main(int argc, char **argv)
     }
     if (!strcmp(argv[1], "--version"))
         return options_finish("--version", cmd_version(1, argv + 1));
-    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))
-        return options_finish("--help", help());
-    for (int i = 0; i < COMMANDS; i++)
-        if (!strcmp(argv[1], command[i].name))
-            return finish(&command[i], command[i].run(argc - 1, argv + 1));
-    return unknown(argv[1]);
+    bool asks = !strcmp(argv[1], "help");
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || (asks && argc == 2))
+        return options_finish("--help", help(asks));
+    if (asks && argc == 3 && find_command(argv[2]) && !help_has_page(argv[2]))
+        return options_finish("help",
+                              find_command(argv[2])->run(2, (char *[]){argv[2], (char[]){"--help"}, NULL}));
+    const struct command *c = find_command(argv[1]);
+    return c ? finish(c, c->run(argc - 1, argv + 1)) : unknown(argv[1]);
 }

@@ -232,6 +232,7 @@ stage waits "logs of the world outside, and ours in other tools" /usr/bin/python
 more speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage waits "no internal value in what any subcommand prints or writes" /usr/bin/python3 tests/cli/test_outputs.py build/contactplant
 stage waits "numbers of a scene from measured curves" /usr/bin/python3 tests/cli/test_fit.py build/contactplant
+stage waits "help: pages, searches, what to do about errors" /usr/bin/python3 tests/cli/test_help.py build/contactplant
 stage waits "outputs and inputs of every command" /usr/bin/python3 tests/cli/test_files.py build/contactplant
 more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 more waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant

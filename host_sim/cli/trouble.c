@@ -5,6 +5,17 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+const struct named trouble_fault[TROUBLE_FAULTS] = {
+    {"not_finite", "", "the state left the finite numbers; the last good state is kept"},
+    {"budget", "", "a tick needed more contact switches than the bound"},
+    {"ledger", "", "more energy than ledger_alarm allows did not balance"},
+    {"overrun", "", "an overrun under the policy stop"},
+    {"bus", "", "bus-off or interface down was seen"},
+    {"timeout", "", "heartbeats stopped"},
+    {"assert", "", "the last run on the board ended by a fault"},
+    {"self_test", "", "the power-on self-test failed"},
+};
+
 /* A reader of a report has to know these first. */
 static const struct {
     enum diag counter;
@@ -40,12 +51,10 @@ static void append(char *text, size_t size, const char *format, ...)
 
 void trouble_faults(unsigned faults, char *text, size_t size)
 {
-    static const char *const name[] = {"not_finite", "budget",  "ledger", "overrun",
-                                       "bus",        "timeout", "assert", "self_test"};
     *text = '\0';
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < TROUBLE_FAULTS; i++)
         if (faults >> i & 1u)
-            append(text, size, "%s", name[i]);
+            append(text, size, "%s", trouble_fault[i].name);
 }
 
 static bool is_refusal(int counter)

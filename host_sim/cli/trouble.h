@@ -6,7 +6,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TROUBLE_TEXT = 512 };
+#include "host_sim/cli/names.h"
+
+enum { TROUBLE_TEXT = 512, TROUBLE_FAULTS = 8 };
+
+/* The bits of FAULTS. */
+extern const struct named trouble_fault[TROUBLE_FAULTS];
 
 /* The names of the bits of FAULTS, with commas between; "" for none. */
 void trouble_faults(unsigned faults, char *text, size_t size);

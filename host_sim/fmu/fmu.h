@@ -46,9 +46,6 @@ struct fmu *fmu_begin(fmi3Instance instance, const char *function, int modes);
 /* Says why in the log; fmi3Error. */
 fmi3Status fmu_fail(const struct fmu *f, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* The variable of this reference, which has this type; false after a line in the log. */
-bool fmu_find(struct fmu *f, uint32_t reference, enum fmu_type type, struct fmu_variable *v);
-
 /* The plant as its scene begins, the run as it is after instantiation. */
 bool fmu_open(struct fmu *f);
 

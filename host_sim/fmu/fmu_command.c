@@ -1,6 +1,7 @@
 /* fmu_command.c - contactplant fmu SCENE --out FILE: an FMU of a scene. Binary and
  * sources fit every scene; they lie in a folder beside the program, which make and make install fill. */
 #include "host_sim/commands.h"
+#include "host_sim/cli/beside.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/fmu/fmu_describe.h"
@@ -12,7 +13,6 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const struct option fmu_options[] = {
     {"out", "FILE", "the FMU to write, by custom NAME.fmu", OPTION_WRITES, .initial = NULL},
@@ -32,8 +32,7 @@ static const struct usage fmu_usage = {
     .table = {fmu_options}};
 
 /* Where the parts are, seen from the program: installed, and in a build folder. */
-static const char *const parts_table[] = {"../lib/contactplant/fmu", "fmu"};
-enum { PARTS = sizeof parts_table / sizeof parts_table[0] };
+static const char *const parts_place[] = {"../lib/contactplant/fmu", "fmu", NULL};
 
 /* The list of the parts: a path in the FMU and in the folder on each line. */
 #define PARTS_LIST "files"
@@ -62,25 +61,17 @@ static struct block read_block(const char *folder, const char *name)
 }
 
 /* The first folder that has a list of parts; its path into `folder`. */
-static struct block find_parts(char folder[PATH_MAX])
+static struct block find_parts(char folder[BESIDE_PATH])
 {
-    char program[PATH_MAX / 2];
-    struct block list = {NULL, 0};
-    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[n > 0 ? n : 0] = '\0';
-    char *slash = strrchr(program, '/');
-    if (slash)
-        *slash = '\0';
-    for (int i = 0; i < PARTS && !list.at; i++) {
-        snprintf(folder, PATH_MAX, "%s/%s", program, parts_table[i]);
-        list = read_block(folder, PARTS_LIST);
-    }
-    if (!list.at)
-        (void)options_failure(&fmu_usage,
-                              "the parts of an FMU are not beside this program: neither in %s/%s nor in "
-                              "%s/%s; run make install, or make fmu in the source tree",
-                              program, parts_table[0], program, parts_table[1]);
-    return list;
+    char program[BESIDE_PATH / 2];
+    if (beside_find(parts_place, PARTS_LIST, folder))
+        return read_block(folder, PARTS_LIST);
+    beside_program(program);
+    (void)options_failure(&fmu_usage,
+                          "the parts of an FMU are not beside this program: neither in %s/%s nor in "
+                          "%s/%s; run make install, or make fmu in the source tree",
+                          program, parts_place[0], program, parts_place[1]);
+    return (struct block){NULL, 0};
 }
 
 static int add_part(struct zip *z, const char *folder, const char *name)

@@ -58,7 +58,8 @@ static double value_of(struct fmu *f, const struct fmu_variable *v)
     }
 }
 
-bool fmu_find(struct fmu *f, uint32_t reference, enum fmu_type type, struct fmu_variable *v)
+/* The variable of this reference, which has this type; false after a line in the log. */
+static bool find(struct fmu *f, uint32_t reference, enum fmu_type type, struct fmu_variable *v)
 {
     if (!fmu_variable_find(f->plant, reference, v))
         (void)fmu_fail(f, "no variable has the value reference %u", (unsigned)reference);
@@ -78,7 +79,7 @@ fmi3Status FMI3(GetFloat64)(fmi3Instance instance, const fmi3ValueReference refe
     if (!f || check_counts(f, reference, n_references, value, n_values) != fmi3OK)
         return fmi3Error;
     for (size_t i = 0; i < n_values; i++) {
-        if (!fmu_find(f, reference[i], FMU_FLOAT64, &v))
+        if (!find(f, reference[i], FMU_FLOAT64, &v))
             return fmi3Error;
         value[i] = value_of(f, &v);
     }
@@ -93,7 +94,7 @@ fmi3Status FMI3(GetUInt64)(fmi3Instance instance, const fmi3ValueReference refer
     if (!f || check_counts(f, reference, n_references, value, n_values) != fmi3OK)
         return fmi3Error;
     for (size_t i = 0; i < n_values; i++) {
-        if (!fmu_find(f, reference[i], FMU_UINT64, &v))
+        if (!find(f, reference[i], FMU_UINT64, &v))
             return fmi3Error;
         value[i] = contactplant_counter(f->plant, CONTACTPLANT_SWITCHES);
     }
@@ -110,7 +111,7 @@ fmi3Status FMI3(GetClock)(fmi3Instance instance, const fmi3ValueReference refere
     if (n_references > 0 && (!reference || !value))
         return fmu_fail(f, "references or values are NULL");
     for (size_t i = 0; i < n_references; i++) {
-        if (!fmu_find(f, reference[i], FMU_CLOCK, &v))
+        if (!find(f, reference[i], FMU_CLOCK, &v))
             return fmi3Error;
         value[i] = f->run.contact;
     }

@@ -3,14 +3,11 @@
 #include "host_sim/scope/decoder_events.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/trouble.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { FAULT_BITS = 8 };
-
-static const char *const fault_name[FAULT_BITS] = {"not_finite", "budget",  "ledger", "overrun",
-                                                   "bus",        "timeout", "assert", "self_test"};
 static const char *const identity_name[] = {
     [CLIENT_UNTOLD] = "untold", [CLIENT_SAME] = "same", [CLIENT_OTHER] = "other"};
 
@@ -97,8 +94,8 @@ void decoder_put_hello(const struct decoder *d, struct json *j)
     put_parameters(d, j);
     put_names(d, j, "counters", NAMES_COUNTER);
     json_item(j, "'contacts':%u,'faults':[", (uint64_t)c->model->n_contacts);
-    for (int i = 0; i < FAULT_BITS; i++)
-        json_item(j, "%s", fault_name[i]);
+    for (int i = 0; i < TROUBLE_FAULTS; i++)
+        json_item(j, "%s", trouble_fault[i].name);
     json_put(j, "],'timing':%b,'commands':%b}", d->has_timing, d->has_commands);
 }
 
@@ -123,9 +120,9 @@ void decoder_put_status(const struct decoder *d, struct json *j)
     json_put(j, ",'reaction':%s,'watch':%u,'faults':%u,'fault_names':[",
              name_of(d, NAMES_REACTION, (unsigned)l->reaction), (uint64_t)value[STATUS_WATCH],
              (uint64_t)l->faults);
-    for (int i = 0; i < FAULT_BITS; i++)
+    for (int i = 0; i < TROUBLE_FAULTS; i++)
         if (l->faults >> i & 1u)
-            json_item(j, "%s", fault_name[i]);
+            json_item(j, "%s", trouble_fault[i].name);
     json_put(j, "]}\n\n");
 }
 

@@ -47,7 +47,7 @@ LINES = [
     (["export", "run.log"], [], True),
     (["fmu", "s.ini"], [], True),
 ]
-SILENT = {"send", "monitor", "control", "replay", "compare", "selftest", "list", "scene", "dbc", "dissector", "man", "completion", "version"}  # they write no file
+SILENT = {"send", "monitor", "control", "replay", "compare", "selftest", "list", "help", "scene", "dbc", "dissector", "man", "completion", "version"}  # they write no file
 
 
 def run(*words, **more):

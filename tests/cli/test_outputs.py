@@ -127,6 +127,7 @@ def cases():
     yield "selftest", []
     for word in ("", "models", "scenes", "settings", "microscope", "methods", "messages", "counters", "metrics"):
         yield "list", word.split()
+    yield from (("help", w.split()) for w in ("--errors", "--errors late", "--search early return"))
     for scene in ("rig", "shaft", "tip", "tapping", "kb-fig4", "nayak-random"):
         yield "scene", [scene]
     yield "dbc", ["rig"]
