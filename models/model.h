@@ -31,8 +31,8 @@ enum {
     MODEL_MODES = 4,         /* beam modes of a lever */
     MODEL_INPUTS = 4,        /* slow force, fast force, base, stiffness */
     MODEL_CONTACTS = 4,      /* two bearings with two sides each; two bits on the wire */
-    MODEL_PARAMETERS = 63,   /* SI parameters of one model, and wire indices below SETTING_FIRST */
-    MODEL_DERIVED = 34,      /* numbers prepared once from the SI parameters */
+    MODEL_PARAMETERS = 64,   /* SI parameters of one model: the wire indices below SETTING_FIRST */
+    MODEL_DERIVED = 35,      /* numbers prepared once from the SI parameters */
     MODEL_OUTPUTS = 12,      /* six pairs on the wire */
     /* Numbers of the observables beside outputs and states (model_observable). */
     MODEL_DRIVE_FREQUENCY = 12,

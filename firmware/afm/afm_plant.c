@@ -24,7 +24,10 @@ STATIC_ASSERT(sizeof(struct afm) <= METHOD_SCRATCH * sizeof(double), an_afm_fits
 STATIC_ASSERT((int)AFM_PLANT_PARAMETERS <= (int)MODEL_PARAMETERS, its_parameters_fit);
 
 /* Prepared numbers beside the lever's. */
-enum { P_TICKS = LEVER_DERIVED, P_TONE, P_NUMBERS };
+enum { STATES = AFM_PLANT_CRASHES + 1 };
+#define GIGA 1e9 /* a state stays small */
+
+enum { P_TICKS = LEVER_DERIVED, P_TONE, P_SWINGS, P_NUMBERS };
 STATIC_ASSERT((int)P_NUMBERS <= (int)MODEL_DERIVED, its_numbers_fit);
 
 static const struct parameter parameters[AFM_PLANT_PARAMETERS] = {
@@ -57,6 +60,8 @@ static const struct signal outputs[AFM_PLANT_OUTPUTS] = {
     {"error", "m", "of the z loop: how much the tip is too far away", QUANTITY_LENGTH, NULL},
     {"frequency_shift", "Hz", "of the tone, from f0 of the lever", QUANTITY_FREQUENCY, NULL},
     {"crashes", "1", "so far", QUANTITY_RATIO, NULL},
+    {"adhesion", "N", "of the last cycle of peak_force; else 0", QUANTITY_FORCE, NULL},
+    {"modulus", "Pa", "of the last cycle of peak_force, 0: not found", QUANTITY_RATIO, NULL},
 };
 
 /* ---- the model ---- */
@@ -151,13 +156,16 @@ static void prepare(const double *si, double *p, struct scale *scale)
     }
     double tone = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : si[LEVER_F0];
     p[P_TICKS] = n[STATION_TICKS];
-    p[P_TONE] = n[STATION_DRIVE] > 0.0 ? (tone + n[STATION_DART_DISTANCE]) * scale->time_s : 0.0;
+    p[P_SWINGS] = station_swings(n);
+    p[P_TONE] = n[STATION_DRIVE] > 0.0 && !station_swings(n)
+                    ? (tone + n[STATION_DART_DISTANCE]) * scale->time_s
+                    : 0.0;
 }
 
 static void rest(const double *p, double *x)
 {
     (void)p;
-    memset(x, 0, AFM_PLANT_OUTPUTS * sizeof *x);
+    memset(x, 0, STATES * sizeof *x);
 }
 
 static double eigenfrequency(const double *p)
@@ -177,10 +185,18 @@ static double energy(const double *p, const struct input *u, const double *x)
     return 0.0;
 }
 
+/* A state is what a reading has in model units. Without a tone, amplitude and phase have the place of
+ * adhesion and modulus: a swing of z has no tone. */
 static void output(const double *p, const struct input *u, const double *x, double *value)
 {
-    (void)p, (void)u;
-    memcpy(value, x, AFM_PLANT_OUTPUTS * sizeof *x);
+    (void)u;
+    memcpy(value, x, STATES * sizeof *x);
+    value[AFM_PLANT_ADHESION] = value[AFM_PLANT_MODULUS] = 0.0;
+    if (p[P_SWINGS] == 0.0)
+        return;
+    value[AFM_PLANT_ADHESION] = x[AFM_PLANT_AMPLITUDE];
+    value[AFM_PLANT_MODULUS] = x[AFM_PLANT_PHASE] * GIGA;
+    value[AFM_PLANT_AMPLITUDE] = value[AFM_PLANT_PHASE] = 0.0;
 }
 
 static const int side[] = {-1};
@@ -188,7 +204,7 @@ static const int side[] = {-1};
 const struct model afm_plant = {
     .name = "microscope",
     .title = "a whole AFM: lever, sample, lock-ins, loops, raster and approach (docs/guide/afm_bus.md)",
-    .n_states = AFM_PLANT_OUTPUTS,
+    .n_states = STATES,
     .n_inputs = AFM_PLANT_INPUTS,
     .n_outputs = AFM_PLANT_OUTPUTS,
     .n_contacts = 1,
@@ -228,6 +244,20 @@ static double recent_force(struct afm *a, double force_N)
     return largest;
 }
 
+/* Amplitude and phase of the tone, or what the last cycle of a swing says. */
+static void read_tone(const struct afm *a, double each, double *x)
+{
+    const struct station *s = &a->station;
+    const struct force_cycle *c = &s->swing.cycle;
+    if (station_swings(s->number)) {
+        x[AFM_PLANT_AMPLITUDE] = c->adhesion_N / s->microscope.force_N;
+        x[AFM_PLANT_PHASE] = c->fitted ? c->modulus_Pa / GIGA : 0.0;
+        return;
+    }
+    x[AFM_PLANT_AMPLITUDE] = s->lockin[0].amplitude * each;
+    x[AFM_PLANT_PHASE] = demodulator_phase(&s->lockin[0]) * (180.0 / ELEMENTARY_PI);
+}
+
 /* The readings after a sample, model units. */
 static void read(const struct afm *a, double force_N, double *x)
 {
@@ -240,8 +270,7 @@ static void read(const struct afm *a, double force_N, double *x)
     x[AFM_PLANT_VELOCITY] = lever[AFM_PLANT_VELOCITY];
     x[AFM_PLANT_PENETRATION] = lever[AFM_PLANT_PENETRATION];
     x[AFM_PLANT_CONTACT_FORCE] = force_N / m->force_N;
-    x[AFM_PLANT_AMPLITUDE] = s->lockin[0].amplitude * each;
-    x[AFM_PLANT_PHASE] = demodulator_phase(&s->lockin[0]) * (180.0 / ELEMENTARY_PI);
+    read_tone(a, each, x);
     x[AFM_PLANT_HEIGHT] = s->out.z_m * each;
     x[AFM_PLANT_ERROR] = s->error_m * each;
     x[AFM_PLANT_SHIFT] = (s->frequency_Hz - s->f0_Hz) / s->f0_Hz; /* 1/w1 is the unit of time */
@@ -296,6 +325,8 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
         return "this method is a microscope's own; take auto";
     if (p[P_TONE] * h > 0.25 * (1.0 + 1e-12)) /* a station takes a little more: it rounds otherwise */
         return "the tone has fewer than 4 samples in a period: give more substeps";
+    if (p[P_SWINGS] > 0.0 && h * PEAK_FORCE_PERIOD_MIN > 2.0 * ELEMENTARY_PI * (1.0 + 1e-9))
+        return "a period of the lever has fewer than 32 samples, too few for peak_force: give more substeps";
     return modal.refuse(&afm_lever, p, h / p[P_TICKS], tol);
 }
 
@@ -388,10 +419,10 @@ static void follow_recipe(struct afm *a, const double *was)
     r->dwell_s = now[AFM_PLANT_RAMP_DWELL];
 }
 
-/* The fewest samples that are longer than a period of the lever. */
-static uint32_t samples_in(double period_s, double sample_s)
+/* The fewest samples that are longer than a period of the lever, or of a swing. */
+static uint32_t samples_of(const struct station *s)
 {
-    double samples = period_s / sample_s;
+    double samples = station_swings(s->number) ? s->swing.samples : 1.0 / (s->f0_Hz * s->sample_s);
     return samples < 4e9 ? (uint32_t)samples + 1 : 4000000000u;
 }
 
@@ -409,7 +440,7 @@ static void begin(struct afm *a, struct plant *pl, struct microscope_in at)
     a->begun = !station_init(&a->station, &c); /* model and method have accepted it */
     if (!a->begun)
         return;
-    a->period = samples_in(1.0 / a->si[LEVER_F0], a->station.sample_s);
+    a->period = samples_of(&a->station);
     a->in_period = 0;
     a->peak_N = a->peak_before_N = 0.0;
     follow_recipe(a, none);
@@ -435,6 +466,7 @@ static void change_numbers(struct afm *a, const struct plant *pl)
     c.tick_s = a->station.microscope.tick_s;
     const char *why = station_change(&a->station, &c, &which);
     ASSERT(!why); /* model and method have accepted it */
+    a->period = samples_of(&a->station);
     follow_recipe(a, was);
 }
 

@@ -6,7 +6,8 @@
 #include "firmware/plant/hash.h"
 #include "models/math/elementary.h"
 
-#define TWO_PI (2.0 * ELEMENTARY_PI)
+#define TWO_PI    (2.0 * ELEMENTARY_PI)
+#define BOLTZMANN 1.380649e-23
 
 const struct parameter station_number[STATION_NUMBERS] = {STATION_ROWS};
 
@@ -46,15 +47,35 @@ static const char *check_range(const double *n, int *which)
     return NULL;
 }
 
+bool station_swings(const double *number)
+{
+    return number[STATION_PEAK_FORCE] > 0.0;
+}
+
+/* A force of the station's own on the lever. */
+static bool has_tone(const double *number)
+{
+    return number[STATION_DRIVE] > 0.0 && !station_swings(number);
+}
+
+/* Frequency of the tone, or of z's swing. */
+static double frequency_of(const double *number, double f0_Hz)
+{
+    double swing = f0_Hz < 16e3 ? f0_Hz / 8.0 : 2e3;
+    return number[STATION_FREQUENCY] > 0.0 ? number[STATION_FREQUENCY]
+           : station_swings(number)        ? swing
+                                           : f0_Hz;
+}
+
 /* Turns of a tone in a sample, at most: a quarter, and room for the rounding of exactly that. */
 static const double turns_max = 0.25 * (1.0 + 1e-9);
 
 /* The loops against each other and against the lever. */
-static const char *check_loops(const struct station_config *c, int *which)
+static const char *check_tone(const struct station_config *c, int *which)
 {
     const double *n = c->number;
     bool amplitude = n[STATION_Z_LOOP] == Z_AMPLITUDE;
-    double f = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : c->si[LEVER_F0];
+    double f = frequency_of(n, c->si[LEVER_F0]);
     *which = STATION_DRIVE;
     if (n[STATION_DRIVE] == 0.0 && (amplitude || n[STATION_AGC] + n[STATION_PLL] + n[STATION_DART] > 0.0))
         return "the lock-in would listen to a silent tone: give an amplitude, or z_loop 2 or 0, and agc, pll "
@@ -63,9 +84,6 @@ static const char *check_loops(const struct station_config *c, int *which)
     *which = STATION_SETPOINT;
     if (amplitude && !(n[STATION_SETPOINT] > 0.0 && n[STATION_SETPOINT] < n[STATION_DRIVE]))
         return "is not below the free amplitude drive_m: the z loop would never find the surface";
-    *which = STATION_KI;
-    if (n[STATION_Z_LOOP] > 0.0 && n[STATION_KI] == 0.0)
-        return "is 0: the z loop would not move";
     *which = STATION_DART;
     if (n[STATION_DART] > 0.0 && n[STATION_PLL] > 0.0)
         return "and pll both set the frequency: switch one off";
@@ -73,6 +91,56 @@ static const char *check_loops(const struct station_config *c, int *which)
     if (n[STATION_DRIVE] > 0.0 && (f + n[STATION_DART_DISTANCE]) * n[STATION_TICKS] * c->tick_s > turns_max)
         return "leaves fewer than 4 samples in a period: give fewer ticks a sample";
     return NULL;
+}
+
+/* The lever leaves the sample in each cycle if z swings further than the tip sticks: from the deflection of
+ * set point and adhesion to beyond the gap of the snap-in. That is (H R/(3 k))^(1/3), and half as much again.
+ */
+static double least_swing(const struct station_config *c)
+{
+    double k = c->si[LEVER_K], hamaker = c->si[LEVER_HAMAKER_OUT], second[LEVER_PARAMETERS];
+    if (station_second(c, second) && second[LEVER_HAMAKER_OUT] > hamaker)
+        hamaker = second[LEVER_HAMAKER_OUT];
+    double a0 = c->si[LEVER_A0], pull = hamaker * c->si[LEVER_RADIUS], adhesion = pull / (6.0 * a0 * a0);
+    return (c->number[STATION_PEAK_FORCE] + adhesion) / k + 1.5 * cube_root(pull / (3.0 * k));
+}
+
+/* Four standard deviations of the thermal force up to the resonance: its density is 4 k_B T k/(Q w0). */
+static double thermal_force(const double *si)
+{
+    return 4.0 * sqrt(2.0 * BOLTZMANN * si[LEVER_TEMPERATURE] * si[LEVER_K] / (ELEMENTARY_PI * si[LEVER_Q]));
+}
+
+static const char *check_swing(const struct station_config *c, int *which)
+{
+    const double *n = c->number;
+    double f0 = c->si[LEVER_F0], f = frequency_of(n, f0), sample_s = n[STATION_TICKS] * c->tick_s;
+    *which = STATION_PEAK_FORCE;
+    if (n[STATION_AGC] + n[STATION_PLL] + n[STATION_DART] > 0.0)
+        return "leaves the lever without a tone: give agc, pll and dart 0";
+    if (n[STATION_PEAK_FORCE] < thermal_force(c->si))
+        return "is below the noise of a cycle, 4 standard deviations of the thermal force: give more";
+    *which = STATION_TICKS;
+    if (f0 * sample_s * PEAK_FORCE_PERIOD_MIN > 1.0 + 1e-9)
+        return "leaves fewer than 32 samples in a period of the lever, too few for peak_force: give less";
+    *which = STATION_FREQUENCY;
+    if (f < 100.0 || f > f0 / 8.0 * (1.0 + 1e-9))
+        return "of peak_force is 100 Hz to an eighth of f0";
+    *which = STATION_DRIVE;
+    if (2.0 * n[STATION_DRIVE] < least_swing(c))
+        return "is too small for peak_force: the tip would not leave the sample in each cycle; give more";
+    *which = STATION_PIXEL;
+    if (n[STATION_PIXEL] * f < 1.0 - 1e-9)
+        return "is shorter than a cycle of peak_force: give more";
+    return NULL;
+}
+
+static const char *check_loops(const struct station_config *c, int *which)
+{
+    *which = STATION_KI;
+    if (c->number[STATION_Z_LOOP] > 0.0 && c->number[STATION_KI] == 0.0)
+        return "is 0: the z loop would not move";
+    return station_swings(c->number) ? check_swing(c, which) : check_tone(c, which);
 }
 
 void station_surface(struct surface *s, const struct station_config *c)
@@ -126,7 +194,8 @@ static const double unbounded = 1e300;
 static void set_loops(struct station *s)
 {
     const double *n = s->number;
-    s->z = (struct loop){n[STATION_KP], n[STATION_KI], n[STATION_Z_MIN], n[STATION_Z_MAX], 0.0, false};
+    double top = station_swings(n) ? 2.0 * n[STATION_DRIVE] : 0.0; /* z over its lowest point */
+    s->z = (struct loop){n[STATION_KP], n[STATION_KI], n[STATION_Z_MIN], n[STATION_Z_MAX] - top, 0.0, false};
     s->agc = (struct loop){0.0, n[STATION_AGC_KI], 0.0, unbounded, n[STATION_DRIVE], false};
     s->pll = (struct loop){n[STATION_PLL_KP],           n[STATION_PLL_KI], 0.0,
                            0.25 / s->microscope.tick_s, s->frequency_Hz,   false};
@@ -146,8 +215,24 @@ static void tune(struct station *s)
 
 static void set_force(struct station *s, double free_amplitude)
 {
+    free_amplitude = has_tone(s->number) ? free_amplitude : 0.0;
     s->microscope.tone[0].force_N = free_amplitude * s->free_force;
     s->microscope.tone[1].force_N = s->number[STATION_DART] > 0.0 ? free_amplitude * s->free_force : 0.0;
+}
+
+/* z begins to swing, from where it is. */
+static void begin_swing(struct station *s)
+{
+    const double *n = s->number;
+    const struct peak_force_config c = {.stiffness = s->stiffness,
+                                        .f0_Hz = s->f0_Hz,
+                                        .quality = s->stiffness / s->free_force,
+                                        .radius_m = s->radius_m,
+                                        .sample_s = s->sample_s,
+                                        .frequency_Hz = s->frequency_Hz,
+                                        .amplitude_m = n[STATION_DRIVE],
+                                        .least_N = 0.25 * n[STATION_PEAK_FORCE]};
+    peak_force_init(&s->swing, &c, s->in.z_m);
 }
 
 bool station_second(const struct station_config *c, double *second)
@@ -186,16 +271,20 @@ const char *station_init(struct station *s, const struct station_config *c)
     s->sample_s = c->tick_s * m.ticks;
     s->f0_Hz = c->si[LEVER_F0];
     s->free_force = c->si[LEVER_K] / c->si[LEVER_Q];
-    s->frequency_Hz = s->number[STATION_FREQUENCY] > 0.0 ? s->number[STATION_FREQUENCY] : s->f0_Hz;
+    s->stiffness = c->si[LEVER_K];
+    s->radius_m = c->si[LEVER_RADIUS];
+    s->frequency_Hz = frequency_of(s->number, s->f0_Hz);
     set_loops(s);
     s->in = c->at;
     s->out.z_m = c->z_m;
     s->z.sum = c->at.z_m;
     for (int i = 0; i < MICROSCOPE_TONES; i++)
         demodulator_init(&s->lockin[i], s->number[STATION_BANDWIDTH], s->sample_s);
-    if (s->number[STATION_DRIVE] > 0.0)
+    if (has_tone(s->number))
         tune(s);
     set_force(s, s->number[STATION_DRIVE]);
+    if (station_swings(s->number))
+        begin_swing(s);
     return NULL;
 }
 
@@ -240,15 +329,20 @@ const char *station_change(struct station *s, const struct station_config *c, in
     memcpy(s->number, n, sizeof s->number);
     station_surface(&s->microscope.surface, c);
     s->microscope.crash_N = n[STATION_CRASH];
-    if (n[STATION_FREQUENCY] != was[STATION_FREQUENCY])
-        s->frequency_Hz = n[STATION_FREQUENCY] > 0.0 ? n[STATION_FREQUENCY] : s->f0_Hz;
+    bool swings = station_swings(n), swung = station_swings(was);
+    bool another = n[STATION_FREQUENCY] != was[STATION_FREQUENCY] || swings != swung;
+    if (another)
+        s->frequency_Hz = frequency_of(n, s->f0_Hz);
     set_loops(s);
-    go_on(&s->z, was[STATION_Z_LOOP] > 0.0, z, s->in.z_m);
+    another |= swings && n[STATION_DRIVE] != was[STATION_DRIVE];
+    go_on(&s->z, was[STATION_Z_LOOP] > 0.0 && !(another && (swings || swung)), z, s->in.z_m);
     go_on(&s->agc, was[STATION_AGC] > 0.0, agc, n[STATION_DRIVE]);
     go_on(&s->pll, was[STATION_PLL] > 0.0, pll, s->frequency_Hz);
     go_on(&s->dart, was[STATION_DART] > 0.0, dart, s->frequency_Hz);
-    if (n[STATION_DRIVE] > 0.0)
+    if (has_tone(n))
         tune(s);
+    if (swings && another)
+        begin_swing(s);
     set_force(s, n[STATION_AGC] > 0.0 ? s->agc.sum : n[STATION_DRIVE]);
     return NULL;
 }
@@ -284,6 +378,8 @@ void station_begin_ramp(struct station *s, double speed_m_per_s, double dwell_s)
 /* How much the tip is too far away. */
 static double z_error(const struct station *s)
 {
+    if (station_swings(s->number))
+        return (s->number[STATION_PEAK_FORCE] - s->swing.cycle.peak_N) / s->stiffness;
     if (s->number[STATION_Z_LOOP] == Z_AMPLITUDE)
         return s->lockin[0].amplitude - s->number[STATION_SETPOINT];
     return s->number[STATION_SETPOINT] - s->out.deflection_m;
@@ -291,16 +387,38 @@ static double z_error(const struct station *s)
 
 static bool triggered(const struct station *s)
 {
-    return s->number[STATION_DRIVE] > 0.0 ? s->lockin[0].amplitude <= s->number[STATION_SETPOINT]
-                                          : s->out.deflection_m >= s->number[STATION_SETPOINT];
+    return has_tone(s->number) ? s->lockin[0].amplitude <= s->number[STATION_SETPOINT]
+                               : s->out.deflection_m >= s->number[STATION_SETPOINT];
 }
 
-static void control_z(struct station *s)
+/* z swings. At the top its lowest point is told where to go. */
+static void swing(struct station *s, double user_m)
 {
+    struct peak_force *p = &s->swing;
+    bool loop = s->number[STATION_Z_LOOP] != Z_OFF;
+    s->cycle_ready = peak_force_read(p, s->out.deflection_m, s->out.z_m);
+    if (s->cycle_ready)
+        s->error_m = z_error(s);
+    if (p->i == 0) {
+        p->from_m = p->to_m;
+        p->to_m = loop ? loop_run(&s->z, -s->error_m, p->samples * s->sample_s) : user_m;
+        s->n_limited += s->z.limited ? p->samples : 0;
+    }
+    s->in.z_m = peak_force_z(p);
+}
+
+static void control_z(struct station *s, double user_m)
+{
+    if (s->ramp.phase == RAMP_OFF && station_swings(s->number)) {
+        swing(s, user_m);
+        return;
+    }
     s->error_m = z_error(s);
     if (s->ramp.phase != RAMP_OFF) {
         s->in.z_m = ramp_run(&s->ramp, triggered(s), s->sample_s);
         s->z.sum = s->in.z_m;
+        if (station_swings(s->number))
+            begin_swing(s);
     } else if (s->number[STATION_Z_LOOP] != Z_OFF) {
         s->in.z_m = loop_run(&s->z, -s->error_m, s->sample_s);
         s->n_limited += s->z.limited;
@@ -325,6 +443,41 @@ static void control_tones(struct station *s)
     }
 }
 
+/* A cycle has ended in this pixel. */
+static void add_cycle(struct pixel_sum *m, const struct force_cycle *c)
+{
+    struct force_cycle *f = &m->force;
+    f->n++;
+    f->peak_N += c->peak_N;
+    f->snap_in_N += c->snap_in_N;
+    f->adhesion_N += c->adhesion_N;
+    f->baseline_N += c->baseline_N;
+    f->work_J += c->work_J;
+    f->deformation_m += c->deformation_m;
+    f->low_m += c->low_m;
+    m->n_fitted += c->fitted;
+    f->modulus_Pa += c->fitted ? c->modulus_Pa : 0.0;
+}
+
+/* Means of the cycles of a pixel, one at least. Its height is that of their lowest points. */
+static void finish_cycles(struct pixel *p, const struct pixel_sum *m)
+{
+    double part = 1.0 / m->force.n;
+    ASSERT(m->force.n > 0);
+    p->n_fitted = m->n_fitted;
+    p->force = (struct force_cycle){.n = m->force.n,
+                                    .fitted = m->n_fitted > 0,
+                                    .peak_N = m->force.peak_N * part,
+                                    .snap_in_N = m->force.snap_in_N * part,
+                                    .adhesion_N = m->force.adhesion_N * part,
+                                    .baseline_N = m->force.baseline_N * part,
+                                    .work_J = m->force.work_J * part,
+                                    .deformation_m = m->force.deformation_m * part,
+                                    .low_m = m->force.low_m * part,
+                                    .modulus_Pa = m->n_fitted ? m->force.modulus_Pa / m->n_fitted : 0.0};
+    p->height_m = p->force.low_m;
+}
+
 static void finish_pixel(struct station *s, const struct raster_place *at)
 {
     struct pixel_sum *m = &s->sum;
@@ -339,6 +492,8 @@ static void finish_pixel(struct station *s, const struct raster_place *at)
                               .peak_N = m->peak,
                               .frequency_Hz = m->frequency * part,
                               .surface_m = m->surface * part};
+    if (m->force.n > 0)
+        finish_cycles(&s->pixel, m);
     *m = (struct pixel_sum){.n = 0};
     s->pixel_ready = true;
 }
@@ -348,6 +503,8 @@ static void add_to_pixel(struct station *s, const struct raster_place *at)
     struct pixel_sum *m = &s->sum;
     m->n++;
     m->height += s->out.z_m;
+    if (s->cycle_ready)
+        add_cycle(m, &s->swing.cycle);
     m->error += s->error_m;
     m->amplitude += s->lockin[0].amplitude;
     m->in_phase += s->lockin[0].i[1];
@@ -363,10 +520,11 @@ static void add_to_pixel(struct station *s, const struct raster_place *at)
 bool station_run(struct station *s, const struct microscope_in *user)
 {
     struct raster_place at;
+    s->pixel_ready = s->cycle_ready = false;
     s->in.force_N = user->force_N;
     s->in.x_m = user->x_m;
     s->in.y_m = user->y_m;
-    if (s->number[STATION_Z_LOOP] == Z_OFF && s->ramp.phase == RAMP_OFF)
+    if (s->number[STATION_Z_LOOP] == Z_OFF && s->ramp.phase == RAMP_OFF && !station_swings(s->number))
         s->in.z_m = user->z_m;
     if (s->scans && (s->scans = raster_at(&s->raster, s->scanned, &at))) {
         s->in.x_m = at.x_m;
@@ -380,9 +538,8 @@ bool station_run(struct station *s, const struct microscope_in *user)
         if (t->step != 0)
             demodulator_run(&s->lockin[i], s->out.deflection_m, t->cosine, t->sine);
     }
-    control_z(s);
+    control_z(s, user->z_m);
     control_tones(s);
-    s->pixel_ready = false;
     if (s->scans)
         add_to_pixel(s, &at);
     return true;

@@ -7,8 +7,9 @@
  *   agc      holds the amplitude; sets the force of the tone
  *   pll      holds the phase; sets the frequency of the tone
  *   dart     holds the amplitudes of two tones, dart_distance apart, equal; sets the frequency between them
- *   raster   sets x and y, from station_begin_scan to the end of the image
- *   ramp     sets z, from station_begin_ramp until it is back
+ *   peak force   in the place of tone and z loop: z swings, its lowest point holds the peak force of each
+ * cycle raster   sets x and y, from station_begin_scan to the end of the image ramp     sets z, from
+ * station_begin_ramp until it is back
  *
  * A tone of amplitude drive_m is the force that moves the free lever so far at its resonance, without heat.
  * With drive_m = 0 the station has no tone, and the force is the caller's alone. The numbers are a table with
@@ -20,6 +21,7 @@
 #include "firmware/afm/demodulator.h"
 #include "firmware/afm/loop.h"
 #include "firmware/afm/microscope.h"
+#include "firmware/afm/peak_force.h"
 #include "firmware/afm/raster.h"
 
 enum {
@@ -63,6 +65,7 @@ enum {
     STATION_DART_DISTANCE,
     STATION_DART_KI,
     STATION_CRASH,
+    STATION_PEAK_FORCE,
     STATION_NUMBERS
 };
 /* The rows of their table, which is part of that of a plant (afm_plant.h). */
@@ -88,8 +91,9 @@ enum {
     {"pixels", "1", 1.0, 65536.0, 128.0, "in a line, one way"}, \
     {"lines", "1", 1.0, 65536.0, 48.0, "each with trace and retrace"}, \
     {"pixel_s", "s", 1e-7, 100.0, 1e-3, "time of a pixel, one way"}, \
-    {"drive_m", "m", 0.0, 1e-5, 20e-9, "amplitude of the free lever at its resonance; 0: no tone"}, \
-    {"frequency_Hz", "Hz", 0.0, 1e9, 0.0, "of the tone; 0: f0 of the lever"}, \
+    {"drive_m", "m", 0.0, 1e-5, 20e-9, \
+     "amplitude of the free lever at its resonance, 0: no tone; with peak_force that of z"}, \
+    {"frequency_Hz", "Hz", 0.0, 1e9, 0.0, "of the tone, 0: f0 of the lever; of peak_force, 0: 2 kHz or f0/8"}, \
     {"bandwidth_Hz", "Hz", 1e-2, 1e8, 5000.0, "of the lock-in: each of two poles"}, \
     {"z_loop", "1", 0.0, Z_DEFLECTION, 1.0, "0 off, 1 holds the amplitude, 2 the deflection"}, \
     {"setpoint_m", "m", -1e-5, 1e-5, 14e-9, "of amplitude or deflection; also the trigger of a ramp"}, \
@@ -108,7 +112,8 @@ enum {
     {"dart", "1", 0.0, 1.0, 0.0, "1: two tones; the frequency holds their amplitudes equal"}, \
     {"dart_distance_Hz", "Hz", 1e-3, 1e8, 4e3, "distance of the two tones"}, \
     {"dart_ki", "Hz/s", 0.0, 1e12, 1e5, "integral gain for (A1 - A2)/(A1 + A2)"}, \
-    {"crash_N", "N", 0.0, 1.0, 100e-9, "a larger contact force is a crash; 0: none is"}
+    {"crash_N", "N", 0.0, 1.0, 100e-9, "a larger contact force is a crash; 0: none is"}, \
+    {"peak_force_N", "N", 0.0, 1.0, 0.0, "0: off; else z swings, and its loop holds this peak force of each cycle"}
 /* clang-format on */
 extern const struct parameter station_number[STATION_NUMBERS];
 
@@ -129,17 +134,23 @@ struct pixel {
     uint32_t line, column;
     bool back;
     double height_m, error_m, amplitude_m, phase_rad, peak_N, frequency_Hz, surface_m;
+    struct force_cycle
+        force;         /* means over its n cycles of peak force; height_m is that of their lowest points */
+    uint32_t n_fitted; /* cycles with a modulus, whose mean it is */
 };
 
 struct station {
     struct microscope microscope;
     double number[STATION_NUMBERS];
-    double sample_s, f0_Hz, free_force; /* force of the tone per metre of free amplitude */
-    struct microscope_in in;            /* last input of the microscope */
+    double sample_s, f0_Hz, stiffness, radius_m;
+    double free_force;       /* force of the tone per metre of free amplitude */
+    struct microscope_in in; /* last input of the microscope */
     struct microscope_out out;
     struct demodulator lockin[MICROSCOPE_TONES];
     struct loop z, agc, pll, dart;
     struct ramp ramp;
+    struct peak_force swing; /* with a peak force to hold */
+    bool cycle_ready;        /* a cycle of it was completed in this sample */
     struct raster raster;
     bool scans;
     uint64_t scanned; /* samples of the raster done */
@@ -150,6 +161,8 @@ struct station {
     struct pixel_sum {
         uint32_t n;
         double height, error, amplitude, in_phase, quadrature, peak, frequency, surface;
+        uint32_t n_fitted;
+        struct force_cycle force;
     } sum;
 };
 
@@ -190,6 +203,9 @@ bool station_run(struct station *s, const struct microscope_in *user);
 
 /* Goes on with a hash: lever, z, frequency, lock-in, crashes and tick. */
 uint64_t station_hash(const struct station *s, uint64_t hash);
+
+/* With these numbers z swings, to hold a peak force; there is no tone. */
+bool station_swings(const double *number);
 
 /* 2 Q/w0, s: an amplitude follows no faster than that. */
 double station_ring_time(const double *si);

@@ -165,7 +165,15 @@ int afm_bench_start(struct afm_bench *b)
 void afm_bench_warn(const struct afm_bench *b)
 {
     double ring = station_ring_time(b->si), pixel = b->number[STATION_PIXEL];
-    if (b->number[STATION_Z_LOOP] == Z_AMPLITUDE && pixel < ring)
+    double cycle = b->station.swing.samples * b->station.sample_s;
+    if (station_swings(b->number) && 4.0 * ring > cycle)
+        fprintf(
+            stderr,
+            "contactplant %s: warning: the lever's ring time 2 Q/w0 = %.3g ms is longer than a quarter of a "
+            "cycle of %.3g ms: it still rings from one pull-off when the next touch comes, and the peaks "
+            "scatter; take a lower frequency or quality\n",
+            b->usage->name, ring * 1e3, cycle * 1e3);
+    if (b->number[STATION_Z_LOOP] == Z_AMPLITUDE && !station_swings(b->number) && pixel < ring)
         fprintf(stderr,
                 "contactplant %s: warning: a pixel of %.3g ms is shorter than the lever's ring time 2 Q/w0 = "
                 "%.3g ms: "
@@ -183,12 +191,19 @@ int afm_bench_run(struct afm_bench *b, uint64_t samples)
     return 0;
 }
 
+/* The z loop holds this, a deflection or an amplitude. */
+static double set_deflection(const struct afm_bench *b)
+{
+    const double *n = b->number;
+    return station_swings(n) ? n[STATION_PEAK_FORCE] / b->si[LEVER_K] : fabs(n[STATION_SETPOINT]);
+}
+
 /* The longest way down: by ki times the largest error, three times over; then 20 ring times to settle. */
 static double longest_engage(const struct afm_bench *b)
 {
     const double *n = b->number;
-    double set = n[STATION_SETPOINT];
-    double error = n[STATION_Z_LOOP] == Z_AMPLITUDE ? n[STATION_DRIVE] - set : fabs(set);
+    bool amplitude = n[STATION_Z_LOOP] == Z_AMPLITUDE && !station_swings(n);
+    double error = amplitude ? n[STATION_DRIVE] - n[STATION_SETPOINT] : set_deflection(b);
     double way = 3.0 * b->si[LEVER_HEIGHT] / (n[STATION_KI] * error + 1e-300);
     return way + 20.0 * station_ring_time(b->si) + 10.0 / n[STATION_KI];
 }
@@ -197,11 +212,12 @@ static double longest_engage(const struct afm_bench *b)
 int afm_bench_engage(struct afm_bench *b)
 {
     struct station *s = &b->station;
-    double ring = station_ring_time(b->si), limit = fabs(b->number[STATION_SETPOINT]) * 0.1;
+    double ring = station_ring_time(b->si), limit = set_deflection(b) * 0.1;
     double most = longest_engage(b), low = (double)INFINITY, high = -(double)INFINITY;
     clock_catch_signals();
     int status = afm_bench_run(b, (uint64_t)(5.0 * ring / s->sample_s) + 1); /* the lever rings up */
     uint64_t piece = (uint64_t)(ring / s->sample_s) + 1;
+    piece = station_swings(b->number) && piece < s->swing.samples ? s->swing.samples : piece;
     for (double t = 0.0; t < most && !status && !clock_interrupted(); t += (double)piece * s->sample_s) {
         status = afm_bench_run(b, piece);
         low = fmin(low, s->error_m);

@@ -30,6 +30,7 @@ static const struct usage scan_usage = {
         "Scans a surface with a virtual AFM. Its z loop engages first; then trace and retrace of height, "
         "error,\n"
         "amplitude, phase and peak force, with a PLL or DART also frequency, go into DIR as .gsf and .png.\n"
+        "With a peak force to hold it writes that, adhesion, modulus, deformation and dissipation instead.\n"
         "contactplant list microscope prints all numbers of --set. A scan that was cut off is kept in DIR,\n"
         "and the same command goes on from there.",
     .words_help =
@@ -37,18 +38,33 @@ static const struct usage scan_usage = {
     .examples =
         "  contactplant scan --set surface=2 --set pixel=\"4 ms\"\n"
         "  contactplant scan --set surface=2 --set ki=3000     # too fast: z swings, tip and lines crash\n"
+        "  contactplant scan --set peak_force=\"5 nN\" --set ticks=2 --set map=2 --set map_modulus=\"200 "
+        "MPa\"\n"
         "  contactplant scan soft --set z_loop=2 --set drive=0 --set setpoint=\"2 nm\" --set surface=4\n",
     .min_words = 0,
     .max_words = 1,
     .table = {scan_options},
 };
 
+/* Which scans have a channel. */
+enum { WITH_TONE = 1, WITH_SWING = 2, ALWAYS = 3, WITH_TRACKING = 4 };
+
 static const struct channel {
     const char *name, *unit, *title;
+    int when;
 } channel[SCAN_CHANNELS] = {
-    {"height", "m", "Height"}, {"error", "m", "Error"},           {"amplitude", "m", "Amplitude"},
-    {"phase", "rad", "Phase"}, {"peak_force", "N", "Peak force"}, {"frequency", "Hz", "Frequency"},
-    {NULL, "m", "Surface"},
+    [SCAN_HEIGHT] = {"height", "m", "Height", ALWAYS},
+    [SCAN_ERROR] = {"error", "m", "Error", WITH_TONE},
+    [SCAN_AMPLITUDE] = {"amplitude", "m", "Amplitude", WITH_TONE},
+    [SCAN_PHASE] = {"phase", "rad", "Phase", WITH_TONE},
+    [SCAN_PEAK] = {"peak_force", "N", "Peak force", ALWAYS},
+    [SCAN_FREQUENCY] = {"frequency", "Hz", "Frequency", WITH_TRACKING},
+    [SCAN_FORCE_ERROR] = {"peak_force_error", "N", "Peak force error", WITH_SWING},
+    [SCAN_ADHESION] = {"adhesion", "N", "Adhesion", WITH_SWING},
+    [SCAN_MODULUS] = {"modulus", "Pa", "DMT modulus", WITH_SWING},
+    [SCAN_DEFORMATION] = {"deformation", "m", "Deformation", WITH_SWING},
+    [SCAN_DISSIPATION] = {"dissipation", "J", "Dissipation", WITH_SWING},
+    [SCAN_SURFACE] = {NULL, "m", "Surface", ALWAYS},
 };
 
 /* ---- the image ---- */
@@ -72,10 +88,28 @@ void scan_free(struct scan_image *m)
         free(m->value[i / SCAN_CHANNELS][i % SCAN_CHANNELS]);
 }
 
-static void keep_pixel(struct scan_image *m, const struct pixel *p)
+/* A result of the cycles of a pixel; without a cycle it is not known. */
+static double of_cycles(const struct pixel *p, double value)
 {
-    const double value[SCAN_CHANNELS] = {p->height_m, p->error_m,      p->amplitude_m, p->phase_rad,
-                                         p->peak_N,   p->frequency_Hz, p->surface_m};
+    return p->force.n > 0 ? value : (double)NAN;
+}
+
+static void keep_pixel(struct scan_image *m, const struct pixel *p, double setpoint_N)
+{
+    const double value[SCAN_CHANNELS] = {
+        [SCAN_HEIGHT] = p->height_m,
+        [SCAN_ERROR] = p->error_m,
+        [SCAN_AMPLITUDE] = p->amplitude_m,
+        [SCAN_PHASE] = p->phase_rad,
+        [SCAN_PEAK] = p->peak_N,
+        [SCAN_FREQUENCY] = p->frequency_Hz,
+        [SCAN_FORCE_ERROR] = of_cycles(p, p->force.peak_N - setpoint_N),
+        [SCAN_ADHESION] = of_cycles(p, p->force.adhesion_N),
+        [SCAN_MODULUS] = p->force.fitted ? p->force.modulus_Pa : (double)NAN,
+        [SCAN_DEFORMATION] = of_cycles(p, p->force.deformation_m),
+        [SCAN_DISSIPATION] = of_cycles(p, p->force.work_J),
+        [SCAN_SURFACE] = p->surface_m,
+    };
     for (int i = 0; i < SCAN_CHANNELS; i++)
         m->value[p->back][i][p->line * m->pixels + p->column] = (float)value[i];
 }
@@ -119,7 +153,7 @@ int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
         status = afm_bench_run(b, 1);
         if (status || !s->pixel_ready)
             continue;
-        keep_pixel(m, &s->pixel);
+        keep_pixel(m, &s->pixel, b->number[STATION_PEAK_FORCE]);
         status = after_pixel(b, m, part);
         tell_progress(b, begin_s, &told_s);
     }
@@ -135,20 +169,27 @@ bool scan_is_parachute(const double *number, double amplitude_m)
 
 void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char text[SCAN_VERDICT])
 {
-    size_t n = m->pixels * m->lines, off = 0;
+    bool swings = station_swings(b->number);
+    size_t n = m->pixels * m->lines, off = 0, unknown = 0;
     double peak = 0.0, square = 0.0, limited = b->station.n_limited * b->station.sample_s;
     for (size_t i = 0; i < 2 * n; i++) {
         float *const *v = m->value[i >= n];
         peak = fmax(peak, (double)v[SCAN_PEAK][i % n]);
-        square += (double)v[SCAN_ERROR][i % n] * (double)v[SCAN_ERROR][i % n];
-        off += scan_is_parachute(b->number, (double)v[SCAN_AMPLITUDE][i % n]);
+        double error = (double)v[swings ? SCAN_FORCE_ERROR : SCAN_ERROR][i % n];
+        square += isnan(error) ? 0.0 : error * error;
+        off += swings ? error < -0.9 * b->number[STATION_PEAK_FORCE]
+                      : scan_is_parachute(b->number, (double)v[SCAN_AMPLITUDE][i % n]);
+        unknown += isnan(v[SCAN_MODULUS][i % n]);
     }
-    int length =
-        snprintf(text, SCAN_VERDICT,
-                 "largest force %.3g nN, %u crashes above %.3g nN; off the surface in %.1f %% of the pixels; "
-                 "error %.3g nm rms",
-                 peak * 1e9, b->station.microscope.n_crashes, b->number[STATION_CRASH] * 1e9,
-                 50.0 * (double)off / (double)n, sqrt(square / (2.0 * (double)n)) * 1e9);
+    int length = snprintf(
+        text, SCAN_VERDICT,
+        "largest force %.3g nN, %u crashes above %.3g nN; off the surface in %.1f %% of the pixels; "
+        "error %.3g %s rms",
+        peak * 1e9, b->station.microscope.n_crashes, b->number[STATION_CRASH] * 1e9,
+        50.0 * (double)off / (double)n, sqrt(square / (2.0 * (double)n)) * 1e9, swings ? "nN" : "nm");
+    if (swings && unknown)
+        length += snprintf(text + length, SCAN_VERDICT - (size_t)length, "; no modulus in %.1f %% of them",
+                           50.0 * (double)unknown / (double)n);
     const struct crash *c = &b->station.microscope.crash;
     if (b->station.microscope.n_crashes)
         length += snprintf(text + length, SCAN_VERDICT - (size_t)length,
@@ -204,7 +245,7 @@ static void find_dots(const struct afm_bench *b, const struct scan_image *m, siz
     *high = (size_t)fmax(1.0, round(step_y * (double)m->lines / dot));
 }
 
-/* Black is the least value, white the largest. */
+/* Black is the least value, white the largest. Unknown values are black. */
 static int write_png(struct afm_bench *b, const struct scan_image *m, const float *value, const char *stem)
 {
     char name[NAME + 8];
@@ -215,12 +256,12 @@ static int write_png(struct afm_bench *b, const struct scan_image *m, const floa
     if (!grey)
         return options_failure(b->usage, "out of memory");
     for (size_t i = 0; i < n; i++) {
-        low = value[i] < low ? value[i] : low;
-        high = value[i] > high ? value[i] : high;
+        low = fminf(value[i], low);
+        high = fmaxf(value[i], high);
     }
     for (size_t i = 0; i < wide * high_dots; i++) {
         float v = value[i / wide * m->lines / high_dots * m->pixels + i % wide * m->pixels / wide];
-        grey[i] = (unsigned char)(high > low ? 255.0f * (v - low) / (high - low) : 0.0f);
+        grey[i] = (unsigned char)(high > low && !isnan(v) ? 255.0f * (v - low) / (high - low) : 0.0f);
     }
     snprintf(name, sizeof name, "%s.png", stem);
     FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
@@ -232,11 +273,12 @@ static int write_png(struct afm_bench *b, const struct scan_image *m, const floa
 static int write_images(struct afm_bench *b, const struct scan_image *m)
 {
     bool tracks = b->number[STATION_PLL] + b->number[STATION_DART] > 0.0;
-    int status = 0;
+    int status = 0,
+        here = (station_swings(b->number) ? WITH_SWING : WITH_TONE) | (tracks ? WITH_TRACKING : 0);
     for (int i = 0; i < 2 * SCAN_SURFACE && !status; i++) {
         int which = i / 2, back = i % 2;
         char stem[NAME];
-        if (which == SCAN_FREQUENCY && !tracks)
+        if (!(channel[which].when & here))
             continue;
         stem_of(which, back, stem);
         status = write_gsf(b, m, back, which, stem);

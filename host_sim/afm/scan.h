@@ -11,6 +11,11 @@ enum scan_channel {
     SCAN_PHASE,
     SCAN_PEAK,
     SCAN_FREQUENCY,
+    SCAN_FORCE_ERROR,
+    SCAN_ADHESION,
+    SCAN_MODULUS,
+    SCAN_DEFORMATION,
+    SCAN_DISSIPATION,
     SCAN_SURFACE, /* the truth: no file, for the picture and the verdict */
     SCAN_CHANNELS
 };

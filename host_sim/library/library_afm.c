@@ -201,6 +201,16 @@ double contactplant_afm_truth(struct contactplant_afm *a, enum contactplant_afm_
         return s->microscope.crash.peak_N;
     case CONTACTPLANT_AFM_CLIPPED:
         return a->clipped;
+    case CONTACTPLANT_AFM_CYCLE_FORCE:
+        return s->swing.cycle.peak_N;
+    case CONTACTPLANT_AFM_ADHESION:
+        return s->swing.cycle.adhesion_N;
+    case CONTACTPLANT_AFM_MODULUS:
+        return s->swing.cycle.modulus_Pa;
+    case CONTACTPLANT_AFM_DEFORMATION:
+        return s->swing.cycle.deformation_m;
+    case CONTACTPLANT_AFM_DISSIPATION:
+        return s->swing.cycle.work_J;
     default:
         (void)library_fail(&a->error, CONTACTPLANT_BAD_VALUE, "no such number: %d", (int)which);
         return (double)NAN;

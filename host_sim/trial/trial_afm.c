@@ -5,7 +5,7 @@
 #include <string.h>
 #include "models/math/elementary.h"
 
-enum { OPEN_PERIODS = 2 /* without a force: off the surface */ };
+enum { OPEN_PERIODS = 2 /* periods of the lever or of z without a force: off the surface */ };
 static const double deg_per_rad = 180.0 / ELEMENTARY_PI;
 
 static const struct signal output[VIEW_OUTPUTS] = {
@@ -18,6 +18,10 @@ static const struct signal output[VIEW_OUTPUTS] = {
     [VIEW_FORCE] = {"contact_force", "N", "largest in the sample, 0 apart", QUANTITY_FORCE, NULL},
     [VIEW_SURFACE] = {"surface", "m", "height below the tip", QUANTITY_LENGTH, NULL},
     [VIEW_CRASHES] = {"crashes", "1", "so far", QUANTITY_RATIO, NULL},
+    [VIEW_PEAK_FORCE] = {"cycle_force", "N", "peak of the last cycle of peak_force, as the loop has it",
+                         QUANTITY_FORCE, NULL},
+    [VIEW_ADHESION] = {"adhesion", "N", "of the last cycle of peak_force", QUANTITY_FORCE, NULL},
+    [VIEW_MODULUS] = {"modulus", "Pa", "of the last cycle, 0: not found", QUANTITY_RATIO, NULL},
 };
 
 static const struct signal input[VIEW_INPUTS] = {
@@ -62,6 +66,9 @@ void trial_afm_read(const struct station *s, const struct microscope_in *in, dou
         [VIEW_FORCE] = s->out.peak_N,
         [VIEW_SURFACE] = s->out.surface_m,
         [VIEW_CRASHES] = s->microscope.n_crashes,
+        [VIEW_PEAK_FORCE] = s->swing.cycle.peak_N,
+        [VIEW_ADHESION] = s->swing.cycle.adhesion_N,
+        [VIEW_MODULUS] = s->swing.cycle.modulus_Pa,
         [VIEW_OUTPUTS + VIEW_IN_FORCE] = in->force_N,
         [VIEW_OUTPUTS + VIEW_IN_Z] = in->z_m,
         [VIEW_OUTPUTS + VIEW_IN_X] = in->x_m,
@@ -88,11 +95,12 @@ void trial_afm_watch(struct trial_afm *t, const struct station *s, uint64_t samp
                      int n)
 {
     double away_s = (double)(sample - t->touched) * s->sample_s, force = s->out.peak_N;
+    double turns_Hz = station_swings(s->number) ? s->frequency_Hz : s->f0_Hz;
     if (force > 0.0) {
         if (t->open)
             tell_switch(t, s, sample, true, m, n);
         t->touched = sample;
         t->peak_N = fmax(t->peak_N, force);
-    } else if (!t->open && away_s > OPEN_PERIODS / s->f0_Hz)
+    } else if (!t->open && away_s > OPEN_PERIODS / turns_Hz)
         tell_switch(t, s, t->touched, false, m, n);
 }

@@ -46,7 +46,7 @@ def example(name):
 
 
 def test_examples():
-    wanted = {"afm_z": "ok FAIL ok", "afm_pll": "ok ok FAIL", "afm_dart": "ok FAIL", "afm_hop": "ok FAIL"}
+    wanted = {"afm_z": "ok FAIL ok", "afm_pll": "ok ok FAIL", "afm_dart": "ok FAIL", "afm_hop": "ok FAIL", "afm_peak": "ok FAIL ok"}
     for name, verdicts in wanted.items():
         r = test(example(name))
         found = re.findall(r"^(ok|FAIL|untested|error)  ", r.stdout, re.M)

@@ -102,6 +102,24 @@ TEST(library_afm_loops)
     check_near("their force", contactplant_afm_truth(afm, CONTACTPLANT_AFM_CRASH_FORCE), 0.0, 0.0);
 }
 
+/* A cycle of peak force by the law of the tip: 1 GPa, H R/(6 a0^2) = 3.918 nN. */
+TEST(library_afm_peak_force)
+{
+    int32_t dac[CONTACTPLANT_AFM_DACS] = {0}, adc[CONTACTPLANT_AFM_ADCS];
+    afm = contactplant_afm_open(&afm_memory, sizeof afm_memory, "tapping", NULL);
+    check_int("peak force", set("peak_force_N", 5e-9), CONTACTPLANT_OK);
+    check_int("ticks", set("ticks", 1.0), CONTACTPLANT_OK);
+    check_int("swing", set("drive_m", 20e-9), CONTACTPLANT_OK);
+    check_int("z loop", set("z_loop", 1.0), CONTACTPLANT_OK);
+    for (int i = 0; i < 64 * 70 * 200; i++)
+        (void)contactplant_afm_sample(afm, dac, adc);
+    check_near("cycle, nN", contactplant_afm_truth(afm, CONTACTPLANT_AFM_CYCLE_FORCE) * 1e9, 5.0, 1.5);
+    check_near("adhesion, nN", contactplant_afm_truth(afm, CONTACTPLANT_AFM_ADHESION) * 1e9, 3.918, 0.1);
+    check_near("modulus, GPa", contactplant_afm_truth(afm, CONTACTPLANT_AFM_MODULUS) * 1e-9, 1.0, 0.05);
+    check_near("deformation, nm", contactplant_afm_truth(afm, CONTACTPLANT_AFM_DEFORMATION) * 1e9, 0.7, 0.2);
+    check_near("dissipation, aJ", contactplant_afm_truth(afm, CONTACTPLANT_AFM_DISSIPATION) * 1e18, 0.0, 0.3);
+}
+
 /* ---- saved and restored ---- */
 
 static void open_hot(struct contactplant_afm **to, union contactplant_afm_memory *where)
