@@ -18,17 +18,18 @@ static const uint32_t float_nan = 0x7FC00000u; /* one NaN on the wire: targets d
 
 STATIC_ASSERT(sizeof(float) == 4 && FLT_MANT_DIG == 24, float_is_binary32);
 
-/* The remainder that the upper four bits of a CRC leave after four shifts, polynomial 0x1D. */
-static const uint8_t crc8_of_nibble[16] = {0x00, 0x1D, 0x3A, 0x27, 0x74, 0x69, 0x4E, 0x53,
-                                           0xE8, 0xF5, 0xD2, 0xCF, 0x9C, 0x81, 0xA6, 0xBB};
+/* CRCs of the low and of the high four bits of a byte, polynomial 0x1D. */
+static const uint8_t crc8_of_low[16] = {0x00, 0x1D, 0x3A, 0x27, 0x74, 0x69, 0x4E, 0x53,
+                                        0xE8, 0xF5, 0xD2, 0xCF, 0x9C, 0x81, 0xA6, 0xBB};
+static const uint8_t crc8_of_high[16] = {0x00, 0xCD, 0x87, 0x4A, 0x13, 0xDE, 0x94, 0x59,
+                                         0x26, 0xEB, 0xA1, 0x6C, 0x35, 0xF8, 0xB2, 0x7F};
 
+/* The CRC is linear: that of a byte is that of its high four bits with that of its low ones. */
 uint8_t wire_crc8_byte(uint8_t crc, uint8_t byte)
 {
     unsigned c = (unsigned)crc ^ byte;
 
-    c = (c << 4 ^ crc8_of_nibble[c >> 4]) & 0xFFu;
-    c = (c << 4 ^ crc8_of_nibble[c >> 4]) & 0xFFu;
-    return (uint8_t)c;
+    return (uint8_t)(crc8_of_high[c >> 4] ^ crc8_of_low[c & 0xFu]);
 }
 
 uint8_t wire_crc8(uint32_t id, const uint8_t *data, int length)

@@ -206,6 +206,12 @@ static step_function *bind(const struct model *m)
     return step;
 }
 
+/* That of rk4, which reads no scratch memory, where it is the choice; the others have none. */
+static run_function *bind_run(const struct model *m, const double *scratch)
+{
+    return auto_now(scratch) == &rk4 ? rk4.bind_run(m, NULL) : NULL;
+}
+
 static const struct method_books *books(const double *scratch)
 {
     const struct method *now = auto_now(scratch);
@@ -221,5 +227,6 @@ const struct method auto_method = {
     .refuse = refuse,
     .prepare = prepare,
     .bind = bind,
+    .bind_run = bind_run,
     .books = books,
 };

@@ -106,6 +106,10 @@ typedef uint32_t run_function(const struct model *m, const double *p, double *sc
                               const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
                               double (*x)[MODEL_STATES], uint32_t n);
 
+/* The function for several ticks, after `prepare`. It may give NULL: then they are single steps. It is asked
+ * anew where inputs may have changed. */
+typedef run_function *bind_run_function(const struct model *m, const double *scratch);
+
 /* A state larger than this many model units (the contact's own length) is trouble, not motion. */
 #define METHOD_STATE_LIMIT 1e12
 
@@ -147,8 +151,7 @@ struct method {
     /* The step for this model: with the model inlined where instances.h has it, else the general one. Same
      * bits. */
     step_function *(*bind)(const struct model *m);
-    /* NULL, or the same for several ticks; it may give NULL, too: then they are single steps. */
-    run_function *(*bind_run)(const struct model *m);
+    bind_run_function *bind_run; /* NULL: all ticks are single steps */
     /* NULL, or the books of the last step, or of each tick of the last run; the ledger takes them as they
      * are. It may give NULL, too, after `prepare`: then the ledger has its own rule. */
     const struct method_books *(*books)(const double *scratch);

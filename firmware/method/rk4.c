@@ -205,8 +205,9 @@ INSTANCES(DECLARE_RUN)
     }
 INSTANCES(RUN)
 
-static run_function *bind_run(const struct model *m)
+static run_function *bind_run(const struct model *m, const double *scratch)
 {
+    (void)scratch;
 #define BIND_RUN(name, for_models, ...)                                                                      \
     if (for_models)                                                                                          \
         return run_##name;
@@ -214,9 +215,9 @@ static run_function *bind_run(const struct model *m)
     return run_general;
 }
 #else
-static run_function *bind_run(const struct model *m)
+static run_function *bind_run(const struct model *m, const double *scratch)
 {
-    (void)m;
+    (void)m, (void)scratch;
     return NULL;
 }
 #endif

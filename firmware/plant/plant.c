@@ -453,6 +453,7 @@ struct quiet {
     uint64_t passed;                      /* up to this tick drives and times have gone on */
     const struct method_switch *switched; /* in the tick behind `done`; NULL: none */
     const struct method_books *books;     /* its books */
+    run_function *run;                    /* NULL: all ticks by `step` */
 #if TICK_LANES > 1
     ledger_ticks_function *book;
 #endif
@@ -469,6 +470,7 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
     q->turning = q->done = q->booked = 0;
     q->origin = q->passed = pl->now.tick;
     q->switched = NULL;
+    q->run = pl->bind_run ? pl->bind_run(pl->model, pl->scratch) : NULL;
 #if TICK_LANES > 1
     q->book = ledger_bind_ticks(pl->model);
 #endif
@@ -558,7 +560,7 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
     return true;
 }
 
-/* A tick before which pl->run stopped. */
+/* A tick before which `run` stopped. */
 NEVER_INLINE bool step_suspect(struct plant *pl, struct quiet *q, struct ticks t)
 {
     copy_state(pl->x, t.x[0], pl->model->n_states);
@@ -575,7 +577,7 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
 {
     uint32_t done = 0;
     unsigned drives = q->turning;
-    if (!pl->run) {
+    if (!q->run) {
         while (done < asked && step_tick(pl, q, ticks_after(t, done), true))
             done++;
         return done;
@@ -584,7 +586,7 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
         if (drives & 1u)
             drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], BLOCK_TOGETHER);
     }
-    done = pl->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
+    done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
     while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
         done++;
@@ -630,7 +632,7 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
         for (uint32_t k = 0; (drives & 1u) && k < n; k++)
             drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[2 * k][i], &t.phasor[k][i], 1);
     }
-    uint32_t done = pl->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
+    uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
     pl->segment.instant += done * TICK_FRACTIONS;
     q->switched = pl->method->switched ? pl->method->switched(pl->scratch) : NULL;
     uint32_t plain = q->switched ? done - 1 : done;
@@ -781,8 +783,8 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_
 {
     struct quiet q;
     bool good = true;
-    bool booked = pl->run && pl->books == BOOKS_OF_METHOD;
     n = begin_quiet(pl, n, &q);
+    bool booked = q.run && pl->books == BOOKS_OF_METHOD;
     for (uint32_t moved = 0; good && n > 0; n -= moved) {
         if (q.done == BLOCK_TICKS)
             move_block(&q, pl->model->n_states, pl->books != BOOKS_OF_LEDGER);

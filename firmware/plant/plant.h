@@ -113,7 +113,7 @@ struct plant {
     const struct model *model;
     const struct method *method;
     step_function *step;
-    run_function *run; /* NULL: all ticks by `step` */
+    bind_run_function *bind_run; /* NULL: all ticks by `step` */
     double *scratch;
     const struct plant_stage_calls *stage_calls;
     struct stages *stages;

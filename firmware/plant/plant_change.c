@@ -73,7 +73,7 @@ static const char *prepare(struct plant *pl, const double *si)
 static void bind(struct plant *pl)
 {
     pl->step = pl->method->bind(pl->model);
-    pl->run = pl->method->bind_run ? pl->method->bind_run(pl->model) : NULL;
+    pl->bind_run = pl->method->bind_run;
 }
 
 const char *plant_init(struct plant *pl, const struct plant_config *c)

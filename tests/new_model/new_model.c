@@ -295,7 +295,7 @@ static void ticks(void)
     begin(&by_hand, &duffing);
     begin(&by_pointers, &copy);
     by_hand.step = step_by_hand;
-    by_hand.run = NULL;
+    by_hand.bind_run = NULL;
     by_hand.ledger.piece = piece_by_hand;
     check_true("the row is taken: another step and piece than through pointers",
                by_row.step != by_pointers.step && by_row.ledger.piece != by_pointers.ledger.piece);

@@ -521,9 +521,9 @@ static uint32_t run_any(const struct model *m, const double *p, double *scratch,
 #endif
 }
 
-static run_function *bind_run(const struct model *m)
+static run_function *bind_run(const struct model *m, const double *scratch)
 {
-    (void)m;
+    (void)m, (void)scratch;
     return run_any;
 }
 

@@ -39,7 +39,7 @@ static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
 {
     sound = bus.app.plant.step;
     bus.app.plant.step = by;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     int longest = 0;
     uint64_t tick = bus.app.plant.now.tick;
     uint32_t before = *counter;
@@ -57,7 +57,7 @@ static void run_and_check(step_function *by, uint32_t *counter, unsigned item)
     check_int("fault bit", bus.app.faults & FAULT_BUDGET, FAULT_BUDGET);
     check_int("it is a warning: the plant goes on", bus.app.state, STATE_RUNNING);
     bus.app.plant.step = sound;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     before = *counter - before;
     bus_run(&bus, HEALTH_ROUND);
     check_above("STATUS shows the fault",

@@ -98,7 +98,7 @@ TEST(app_not_finite_frame)
     fault_start(1.0);
     struct plant alone = bus.app.plant;
     bus.app.plant.step = failing;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     steps_left = 5;
     bus_run(&bus, 1);
     check_int("fails in the sixth tick of a frame: tick", (int64_t)bus.app.plant.now.tick,
@@ -108,7 +108,7 @@ TEST(app_not_finite_frame)
     check_bits("last good position", bus.app.plant.x[0], alone.x[0]);
     check_bits("last good velocity", bus.app.plant.x[1], alone.x[1]);
     bus.app.plant.step = alone.step;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     check_fault_and_reset(1);
 }
 
@@ -135,7 +135,7 @@ TEST(app_ledger_alarm)
             bus_run(&bus, 100); /* energy that flowed long ago must not make the alarm deaf */
         check_int("sound method: faults", bus.app.faults, 0);
         bus.app.plant.step = leaking;
-        bus.app.plant.run = NULL;
+        bus.app.plant.bind_run = NULL;
         brake = (i == 0 ? 0.01 : 0.5) * damper; /* 1 % of the damping, far below the alarm; 50 %, above */
         bus_run(&bus, 300);
         printf("      brake of %g of the damping, alarm at 0.05 of what flows\n", i == 0 ? 0.01 : 0.5);
@@ -144,7 +144,7 @@ TEST(app_ledger_alarm)
     }
     /* Sound again and reset: the alarm must not ring from what was before. */
     bus.app.plant.step = rk4.bind(&hertz_rig);
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     bus_order(&bus, CONTROL_PAUSE);
     bus_order(&bus, CONTROL_RESET);
     bus_order(&bus, CONTROL_START);
@@ -154,7 +154,7 @@ TEST(app_ledger_alarm)
     fault_start(16.0);
     bus_set(&bus, SETTING_FIRST + SET_LEDGER_ALARM, 0.3);
     bus.app.plant.step = leaking;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     brake = 0.1 * bus.app.plant.p[RIG_P_TWO_XI];
     bus_run(&bus, 1000);
     check_int("a small leak over a second: faults", bus.app.faults, 0);
@@ -178,7 +178,7 @@ TEST(app_switch_budget)
 {
     fault_start(1.0);
     bus.app.plant.step = chattering;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     bus_run(&bus, 1);
     check_int("fault bit", bus.app.faults, FAULT_BUDGET);
     check_int("the plant goes on", bus.app.state, STATE_RUNNING);
@@ -229,7 +229,7 @@ TEST(app_fault_capture)
     bus_run(&bus, 5);
     struct plant alone = bus.app.plant;
     bus.app.plant.step = failing;
-    bus.app.plant.run = NULL;
+    bus.app.plant.bind_run = NULL;
     steps_left = 5;
     bus_run(&bus, 1);
     check_int("capture full with the fault", bus.app.capture.state, CAPTURE_FULL);

@@ -166,7 +166,7 @@ static struct plant alone(const struct plant *pl, const struct method *method, d
     struct plant copy = *pl;
     copy.method = method;
     copy.step = method->bind(pl->model);
-    copy.run = NULL;
+    copy.bind_run = NULL;
     copy.scratch = memory;
     method->prepare(pl->model, pl->p, pl->h, pl->tol, memory);
     return copy;
@@ -195,6 +195,23 @@ TEST(auto_change)
         check_near("the mass stays where it is", pl.x[0] * pl.scale.length_m / metres, 1.0, 1e-15);
     }
     check_above("switches", pl.counts.switches, 10);
+}
+
+/* Several ticks in one call where the drives allow rk4, single steps under a fast one, which taylor takes. */
+TEST(auto_blocks)
+{
+    struct plant pl;
+    double paper[MODEL_PARAMETERS];
+    paper_defaults(&hertz_rig, paper);
+    paper[paper_index(&hertz_rig, "sigma")] = 0.5;
+    for (int turn = 0; turn < 2; turn++) {
+        paper[paper_index(&hertz_rig, "omega")] = turn ? 30.0 : 0.9;
+        paper_start_by(&pl, &hertz_rig, &auto_method, 1e-3, scratch, paper, 0.04, (double[]){1.8, 0.0});
+        check_true("finite", plant_run(&pl, 3));
+        check_string("the method", auto_now(scratch)->name, turn ? "taylor" : "rk4");
+        run_function *by_auto = pl.bind_run ? pl.bind_run(&hertz_rig, scratch) : NULL;
+        check_true("several ticks", by_auto == (turn ? NULL : rk4.bind_run(&hertz_rig, NULL)));
+    }
 }
 
 /* The change of parameters over the bus. */

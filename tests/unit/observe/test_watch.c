@@ -518,7 +518,7 @@ TEST(watch_climb_energy)
     let_go(&pl);
     pl.method = &rk4;
     pl.step = rk4.bind(pl.model);
-    pl.run = NULL;
+    pl.bind_run = NULL;
     plant_set_state(&pl, (double[]){1.3, 0.2});
     check_no_error("climbs", plant_promote(&pl, &hertz_rig));
     double linear = 0.5 * 1.3 * 1.3 - 1.3, full = (2.0 / 3.0) * (0.4 * pow(1.3, 2.5) - 1.3);

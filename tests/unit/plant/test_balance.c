@@ -126,7 +126,7 @@ static void swing(const struct model *m, double size, double share)
     x[0] += size;
     plant_set_state(&plant, x);
     plant.step = spoiled;
-    plant.run = NULL;
+    plant.bind_run = NULL;
     spoil_factor =
         1.0 + share / LOOK_TICKS; /* twice that share of the kinetic energy, which is half of all */
 }

@@ -253,7 +253,7 @@ TEST(ledger_spoiled_method)
         rig_start(&pl, paper, 0.01, 0.3, 0.0);
         if (spoiled) {
             pl.step = spoiled_step;
-            pl.run = NULL;
+            pl.bind_run = NULL;
         }
         for (int i = 0; i < 10000; i++) {
             rig_run(&pl, 1);

@@ -45,7 +45,7 @@ TEST(plant_budget)
     check_int("one tick in one piece", pl.counts.pieces_max, 1);
     rig_start(&pl, paper, 0.01, 0.0, 0.0);
     pl.step = rattling_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     n_calls = n_any = 0;
     rig_run(&pl, 3);
     check_int("calls of the method in 3 ticks", n_calls, 3 * PLANT_PIECES);
@@ -63,12 +63,12 @@ TEST(plant_budget)
         check_near("fraction of the tick", e.fraction, 1.0 - rest, 1e-15);
     }
     pl.step = rk4.bind(&hertz_rig);
-    pl.run = NULL;
+    pl.bind_run = NULL;
     rig_run(&pl, 5000);
     check_int("quiet again with a sound method", pl.counts.budget, 3);
     check_int("most pieces so far", pl.counts.pieces_max, PLANT_PIECES);
     pl.step = rattling_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     check_true("to a fraction", plant_advance(&pl, (struct instant){pl.now.tick, 1 << 15}));
     while (plant_take_event(&pl, &e))
         ;
@@ -78,7 +78,7 @@ TEST(plant_budget)
     n_calls = 0;
     uint64_t tick = pl.now.tick;
     pl.step = deaf_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     check_true("a method that does not run through is refused", !plant_run(&pl, 1));
     check_int("after as many calls", n_calls, PLANT_PIECES);
     check_int("and time stands", (int64_t)(pl.now.tick - tick), 0);
@@ -108,7 +108,7 @@ TEST(plant_method_budget)
     rig_start(&pl, paper, 0.001, 0.1, 0.0);
     sound = pl;
     pl.step = tired_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     n_calls = 0;
     rig_run(&pl, 2000);
     rig_run(&sound, 2000);
@@ -138,7 +138,7 @@ TEST(plant_not_finite)
     rig_run(&pl, 100);
     double x[2] = {pl.x[0], pl.x[1]}, damping = sum_of(&pl.ledger.damping);
     pl.step = broken_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     check_true("refused", !plant_run(&pl, 5));
     check_int("counted", pl.counts.not_finite, 1);
     check_int("stands at the last good tick", (int64_t)pl.now.tick, 100);
@@ -146,7 +146,7 @@ TEST(plant_not_finite)
     check_is("state kept", pl.x[1], ==, x[1]);
     check_near("nothing booked", sum_of(&pl.ledger.damping), damping, 0.0);
     pl.step = rk4.bind(&hertz_rig);
-    pl.run = NULL;
+    pl.bind_run = NULL;
     rig_run(&pl, 5);
     check_int("goes on with a sound method", (int64_t)pl.now.tick, 105);
     plant_set_state(&pl, (double[]){1e250, 0.0});
@@ -181,7 +181,7 @@ static int taken(struct plant pl, int i, double size, int k, double with)
     far[i] = size;
     far[k] += with;
     pl.step = far_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     if (plant_run(&pl, 1))
         return 1;
     check_bytes("state kept", pl.x, before.x, sizeof pl.x);
