@@ -2,6 +2,7 @@
 #include "host_sim/cli/options_help.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
+#include "host_sim/help/completion.h"
 #include "host_sim/help/help.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/library/contactplant.h"
@@ -12,13 +13,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-#include "firmware/bus/settings.h"
 #include "firmware/bus/wire_table.h"
-#include "firmware/method/method.h"
-#include "host_sim/cli/names.h"
-#include "host_sim/scene/scene_name.h"
-#include "models/models.h"
-#include "models/scenes/scenes.h"
 #include "models/scenes/scenes_table.h"
 
 #define PAGES                                                                                                \
@@ -26,39 +21,6 @@
     "WORDS. They lie in the source, and in share/doc/contactplant of an installation.\n"
 
 static int cmd_man(int argc, char **argv);
-/* The parameters of all models, each name once. */
-static void print_parameters(void)
-{
-    for (int m = 0; m < MODELS; m++)
-        for (int i = 0; i < model_table[m]->n_parameters; i++) {
-            const char *name = model_table[m]->parameter[i].name;
-            bool again = false;
-            for (int before = 0; before < m; before++)
-                again = again || names_find(model_table[before], NAMES_PARAMETER, name) >= 0;
-            if (!again)
-                printf(" %s=", name);
-        }
-}
-
-/* Names for bash: $scenes, and what may stand behind an option. */
-static void print_completion_names(void)
-{
-    printf("    local scenes=\"");
-    for (int i = 0; i < SCENE_MODELS; i++)
-        printf("%s ", scene_model(i)->name);
-    for (int i = 0; i < SCENES; i++)
-        printf("%s ", scenes_table[i].name);
-    printf("\"\n    case ${COMP_WORDS[COMP_CWORD-1]} in\n    --method) words=\"");
-    for (int i = 0; i < METHODS; i++)
-        printf(" %s", method_table[i]->name);
-    printf("\" ;;\n    --model) words=$scenes ;;\n    --set) compopt -o nospace 2>/dev/null; words=\"");
-    print_parameters();
-    printf("\" ;;\n    --setting) compopt -o nospace 2>/dev/null; words=\"");
-    for (int i = 0; i < SETTINGS; i++)
-        printf(" %s=", setting_table[i].name);
-    printf("\" ;;\n    esac\n");
-}
-
 static int cmd_completion(int argc, char **argv);
 static int cmd_version(int argc, char **argv);
 
@@ -181,13 +143,20 @@ static int cmd_man(int argc, char **argv)
 {
     static const struct usage usage = {
         .name = "man",
-        .words = "",
-        .summary = "Prints the manual page contactplant(1), made from the tables of all subcommands.",
-        .examples = "  contactplant man | man -l -\n"};
+        .words = "[PAGE]",
+        .summary = "Prints the manual page contactplant(1), made from the tables of all subcommands, or a "
+                   "page of the\n"
+                   "docs as contactplant-PAGE(7). make install has those of all guides.",
+        .words_help = "PAGE is a name as contactplant help has it.\n",
+        .examples = "  contactplant man | man -l -\n"
+                    "  contactplant man protocol | man -l -\n",
+        .max_words = 1};
     struct options o;
     int status;
     if (!options_parse(&o, &usage, argc, argv, &status))
         return status;
+    if (o.n_words)
+        return help_print_manual(o.usage, o.word[0]);
     printf(".TH CONTACTPLANT 1 \"\" \"contactplant %s\" \"User Commands\"\n"
            ".SH NAME\ncontactplant \\- a real\\-time plant for hardware\\-in\\-the\\-loop rigs\n"
            ".SH SYNOPSIS\n.B contactplant\nSUBCOMMAND [ARGUMENTS]\n.SH DESCRIPTION\n",
@@ -219,7 +188,9 @@ static int cmd_completion(int argc, char **argv)
         return status;
     printf("# bash completion of contactplant %s\n_contactplant()\n{\n    local words=\n",
            contactplant_version());
-    print_completion_names();
+    completion_print_names();
+    each_usage("--help=values", "", "");
+    printf("    esac\n");
     printf("    [ -n \"$words\" ] || case $COMP_CWORD in\n    1) words=\"--help --version");
     for (int i = 0; i < COMMANDS; i++)
         printf(" %s", command[i].name);

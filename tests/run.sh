@@ -100,6 +100,7 @@ if all; then
     need xmllint libxml2-utils
     need unzip unzip
     need cmake cmake
+    need mandoc mandoc
     need /usr/lib/python3.11/ensurepip python3-venv
     need /usr/include/cvode/cvode.h libsundials-dev
     need /usr/include/gsl/gsl_odeiv2.h libgsl-dev

@@ -105,6 +105,18 @@ static void print_own_words(const char *words)
     }
 }
 
+/* A case of a shell for an option whose placeholder is a list: model|si. */
+static void print_values(const char *name, const char *argument, const char *meaning)
+{
+    (void)meaning;
+    if (!argument || !strchr(argument, '|') || argument[strspn(argument, "abcdefghijklmnopqrstuvwxyz_|")])
+        return;
+    printf("    --%s) words=\"", name);
+    for (; *argument; argument++)
+        putchar(*argument == '|' ? ' ' : *argument);
+    printf("\" ;;\n");
+}
+
 bool options_help(const struct usage *u, const char *word)
 {
     if (!strcmp(word, "--help") || !strcmp(word, "-h"))
@@ -114,7 +126,9 @@ bool options_help(const struct usage *u, const char *word)
     else if (!strcmp(word, "--help=words")) {
         print_own_words(u->words);
         each_option(u, print_word);
-    } else
+    } else if (!strcmp(word, "--help=values"))
+        each_option(u, print_values);
+    else
         return false;
     return true;
 }

@@ -6,7 +6,9 @@
 #include "host_sim/commands.h"
 #include "host_sim/help/advice.h"
 #include "host_sim/help/pages.h"
+#include "host_sim/help/roff.h"
 #include "host_sim/help/search.h"
+#include "host_sim/version.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -86,23 +88,48 @@ bool help_has_page(const char *word)
     return pages_find(&pages, why, sizeof why) && pages_named(&pages, word) >= 0;
 }
 
+/* The text of the page of this name and its number; NULL, and *status after a line. */
+static char *open_page(const struct usage *u, const struct pages *p, const char *word, int *i, int *status)
+{
+    *i = pages_named(p, word);
+    if (*i < 0) {
+        const char *nearest = pages_nearest(p, word);
+        *status = options_misuse(u, "no page is called \"%s\"; %s%s%s", word,
+                                 nearest ? "did you mean " : "contactplant help lists all",
+                                 nearest ? nearest : "", nearest ? "?" : "");
+        return NULL;
+    }
+    char *text = pages_read(p, *i);
+    if (!text)
+        *status = options_failure(u, "cannot read %s/%s: %s; install again", p->folder, p->name[*i],
+                                  strerror(errno));
+    return text;
+}
+
 static int print_page(const struct pages *p, const char *word)
 {
-    int i = pages_named(p, word);
-    if (i < 0) {
-        const char *nearest = pages_nearest(p, word);
-        return options_misuse(&help_usage, "no page is called \"%s\"; %s%s%s", word,
-                              nearest ? "did you mean " : "contactplant help lists all",
-                              nearest ? nearest : "", nearest ? "?" : "");
-    }
-    char *text = pages_read(p, i);
-    if (!text)
-        return options_failure(&help_usage, "cannot read %s/%s: %s; install again", p->folder, p->name[i],
-                               strerror(errno));
-    if (!isatty(STDOUT_FILENO) || !show_by_pager(text))
+    int i, status = STATUS_DONE;
+    char *text = open_page(&help_usage, p, word, &i, &status);
+    if (text && (!isatty(STDOUT_FILENO) || !show_by_pager(text)))
         fputs(text, stdout);
     free(text);
-    return STATUS_DONE;
+    return status;
+}
+
+int help_print_manual(const struct usage *u, const char *word)
+{
+    static struct pages pages;
+    char why[WHY], name[2 * PAGES_NAME] = "contactplant-";
+    int i, status = STATUS_DONE;
+    if (!pages_find(&pages, why, sizeof why))
+        return options_failure(u, "%s", why);
+    char *text = open_page(u, &pages, word, &i, &status);
+    if (text) {
+        pages_short(&pages, i, name + strlen(name));
+        roff_print(name, VERSION_TEXT, text);
+    }
+    free(text);
+    return status;
 }
 
 /* The words of a command line as one text. */

@@ -9,8 +9,7 @@
 
 /* Installed, in a build folder, in one inside of that. */
 static const char *const place[] = {"../share/doc/contactplant", "..", "../..", NULL};
-static const char *const room[] = {"docs/guide", "docs/reference", "docs/why", "."};
-enum { ROOMS = sizeof room / sizeof room[0] };
+enum { ROOMS = 16, ROOM_NAME = 24 };
 
 static int by_name(const void *a, const void *b)
 {
@@ -35,12 +34,35 @@ static void list_room(struct pages *p, const char *folder)
     qsort(p->name[first], (size_t)(p->n - first), PAGES_NAME, by_name);
 }
 
+/* The folders of docs, guides and reference first: the names of few pages stand in two of them. */
+static int find_rooms(const struct pages *p, char room[ROOMS][ROOM_NAME])
+{
+    static const char *const first[] = {"docs/guide", "docs/reference"};
+    char path[BESIDE_PATH + PAGES_NAME];
+    int n = 2;
+    snprintf(room[0], ROOM_NAME, "%s", first[0]);
+    snprintf(room[1], ROOM_NAME, "%s", first[1]);
+    snprintf(path, sizeof path, "%s/docs", p->folder);
+    DIR *d = opendir(path);
+    for (struct dirent *e = d ? readdir(d) : NULL; e && n < ROOMS; e = readdir(d)) {
+        snprintf(room[n], ROOM_NAME, "docs/%.18s", e->d_name);
+        n += !strchr(e->d_name, '.') && strcmp(room[n], first[0]) && strcmp(room[n], first[1]);
+    }
+    if (d)
+        (void)closedir(d);
+    qsort(room[2], (size_t)(n - 2), ROOM_NAME, by_name);
+    return n;
+}
+
 bool pages_find(struct pages *p, char *why, size_t size)
 {
     p->n = 0;
     if (beside_find(place, "docs/README.md", p->folder)) {
-        for (int i = 0; i < ROOMS; i++)
+        char room[ROOMS][ROOM_NAME];
+        int n = find_rooms(p, room);
+        for (int i = 0; i < n; i++)
             list_room(p, room[i]);
+        list_room(p, ".");
         return true;
     }
     char program[BESIDE_PATH / 2];

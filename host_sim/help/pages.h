@@ -12,7 +12,8 @@ enum { PAGES_MAX = 128, PAGES_NAME = 64, PAGES_LINE = 4096 };
 struct pages {
     char folder[BESIDE_PATH];
     int n;
-    char name[PAGES_MAX][PAGES_NAME]; /* "docs/guide/fmi.md": guides first, then reference, reasons, others */
+    char name[PAGES_MAX][PAGES_NAME]; /* "docs/guide/fmi.md": guides first, then reference, other folders of
+                                         docs, others */
 };
 
 /* Finds them. False: there are none, and why[size] says what to do. */

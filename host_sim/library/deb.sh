@@ -36,7 +36,19 @@ mkdir -p "$header/usr/share/doc/libcontactplant-dev"
 cp -r "$program/usr/share/doc/contactplant/docs/examples" "$header/usr/share/doc/libcontactplant-dev/examples"
 rmdir "$program$libdir" # usr/lib keeps what an FMU is made of
 rm "$program/usr/share/doc/contactplant/LICENSE" "$program/usr/share/doc/contactplant/CHANGELOG.md"
-gzip -9n "$program/usr/share/man/man1/contactplant.1"
+gzip -9n "$program"/usr/share/man/man[17]/*
+mkdir -p "$program/usr/share/doc-base"
+cat >"$program/usr/share/doc-base/contactplant" <<'EOF'
+Document: contactplant
+Title: contactplant: guides, reference, reasons
+Author: contactplant authors
+Abstract: How to put a plant in the place of a vibrating rig, what each message
+ and number means, and why it is built that way.
+Section: Science/Engineering
+
+Format: text
+Files: /usr/share/doc/contactplant/README.md /usr/share/doc/contactplant/docs/*/*.md
+EOF
 strip --strip-unneeded -R .comment -R .note "$program"/usr/lib/contactplant/fmu/binaries/*/*.so 2>/dev/null || true
 strip --strip-unneeded -R .comment -R .note "$program/usr/bin/contactplant" "$library$libdir/libcontactplant.so.$ABI"
 strip --strip-debug -R .comment -R .note "$header$libdir/libcontactplant.a"

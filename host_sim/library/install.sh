@@ -37,7 +37,6 @@ prints=$build/share
 if [ "$action" = install ]; then
     rm -rf "$prints"
     mkdir -p "$prints/scenes" "$prints/completions"
-    "$build/contactplant" man >"$prints/contactplant.1"
     "$build/contactplant" completion >"$prints/completions/contactplant"
     "$build/contactplant" dbc >"$prints/contactplant.dbc"
     for scene in $(scenes); do
@@ -54,7 +53,6 @@ link "libcontactplant.so.$ABI" "$LIBDIR/libcontactplant.so"
 put 644 "$LIBDIR/pkgconfig" "$prints/contactplant.pc"
 put 644 "$cmake" "$prints/cmake/contactplant-config.cmake" "$prints/cmake/contactplant-config-version.cmake"
 put 644 "$PREFIX/include" host_sim/library/contactplant.h
-put 644 "$share/man/man1" "$prints/contactplant.1"
 put 644 "$share/bash-completion/completions" "$prints/completions/contactplant"
 put 644 "$share/contactplant" "$prints/contactplant.dbc"
 put 644 "$share/contactplant/scenes" $(scenes | sed "s|.*|$prints/scenes/&.ini|")
@@ -76,6 +74,20 @@ for file in $linked; do
 done
 link docs/examples "$doc/examples"
 
+# Manual pages: of the subcommands, and of each guide by the program that is installed now, beside its pages.
+day=$(sed -n "s/^## $VERSION - //p" CHANGELOG.md)
+guides=$(basename -s .md docs/guide/*.md)
+if [ "$action" = install ]; then
+    mkdir -p "$prints/man"
+    "$build/contactplant" man | sed "1s/\"\"/\"$day\"/" >"$prints/man/contactplant.1"
+    for guide in $guides; do
+        "$DESTDIR$PREFIX/bin/contactplant" man "guide/$guide" | sed "1s/\"\"/\"$day\"/" >"$prints/man/contactplant-$guide.7"
+        [ -s "$prints/man/contactplant-$guide.7" ]
+    done
+fi
+put 644 "$share/man/man1" "$prints/man/contactplant.1"
+put 644 "$share/man/man7" $(echo "$guides" | sed "s|.*|$prints/man/contactplant-&.7|")
+
 # The loader's list of libraries: a program that links this one finds it, or a line says how it will.
 if [ -z "$DESTDIR" ]; then
     PATH=$PATH:/usr/sbin:/sbin
@@ -90,7 +102,7 @@ if [ "$action" = uninstall ]; then
     rm -f "$DESTDIR$share/contactplant/python/__pycache__/contactplant."*.pyc
     for folder in "$share/contactplant/python/__pycache__" "$share/contactplant/python" "$share/contactplant/scenes" \
         "$share/contactplant" $(echo "$pages" | LC_ALL=C sort -r | sed "s|^|$doc/|") $(echo "$linked" | sed "s|/[^/]*$||; p; s|/.*||" | LC_ALL=C sort -ru | sed "s|^|$doc/|") "$doc" "$LIBDIR/pkgconfig" "$cmake" "$LIBDIR/cmake" "$LIBDIR" \
-        "$share/man/man1" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
+        "$share/man/man1" "$share/man/man7" "$share/man" "$share/bash-completion/completions" "$share/bash-completion" "$share/doc" "$share" \
         "$PREFIX/lib" "$PREFIX/bin" "$PREFIX/include"; do
         rmdir "$DESTDIR$folder" 2>/dev/null || true
     done

@@ -45,7 +45,7 @@ $(SHARED): $(LIB_OBJ)
 	@$(CC) $(CFLAGS) -shared -Wl,-soname,$(@F) -Wl,--no-undefined -Wl,--gc-sections $^ -lm -o $@
 	@ln -sf $(@F) $(BUILD)/libcontactplant.so
 
-install: all ## program, library, header, contactplant.pc, CMake config, man page, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
+install: all ## program, library, header, contactplant.pc, CMake config, man pages, completion, presets: PREFIX=/usr/local DESTDIR= LIBDIR=
 	@PREFIX="$(PREFIX)" LIBDIR="$(LIBDIR)" DESTDIR="$(DESTDIR)" ABI=$(ABI) VERSION=$(VERSION) POINTER=$(POINTER) host_sim/library/install.sh install $(BUILD)
 	@echo "installed contactplant $(VERSION) in $(DESTDIR)$(PREFIX)"
 uninstall: $(BUILD)/contactplant fmu ## removes what make install with the same variables has installed

@@ -64,7 +64,7 @@ for command in re.findall(r"^  ([a-z]+) +\S", run().stdout.split("subcommands:")
     told = subprocess.run([program, command, "--help"], stdout=subprocess.PIPE, text=True).stdout
     for page in re.findall(r"docs/[\w/.-]*\w", told):
         named.setdefault(page, command)
-    for word in re.findall(r"contactplant help ([a-z][\w/.-]*)", told):
+    for word in re.findall(r"contactplant help ([a-z][\w/.-]*)$", told, re.M):
         named.setdefault(word, command)
 advice = run("--errors").stdout
 for word in re.findall(r"contactplant\s+help\s+([a-z][\w/-]*)", advice):
@@ -89,6 +89,13 @@ line = [s for s in run("--search", "lastSuccessfulTime").stdout.split("\n") if "
 verdict("page and heading: %.60s" % line[:1], line and line[0].startswith("docs/guide/fmi.md: Events: "), line)
 refused("nothing is found", 'no line of the pages has "zyzzyva of nowhere"; try fewer words', 1, "--search", "zyzzyva", "of", "nowhere")
 refused("no words", "--search wants words", 2, "--search")
+manual = subprocess.run([program, "man", "fmi"], stdout=subprocess.PIPE, text=True).stdout
+heads = [line[4:] for line in manual.split("\n") if line.startswith(".SH ")]
+equal("man fmi: its sections", heads, ["NAME", "DESCRIPTION"] + re.findall(r"^## (.*)", fmi, re.M))
+plain = subprocess.run(["groff", "-k", "-man", "-Tascii", "-P-cbou", "-rLL=200n"], input=manual, stdout=subprocess.PIPE, text=True).stdout
+shown = re.sub(r"\s+", "", plain)
+lost = [w for w in re.findall(r"[a-z_]{9,}", re.sub(r"\]\([^)]*\)|^```.*", "", fmi, flags=re.M)) if w not in re.sub("-", "", shown) and w not in shown]
+verdict("all long words of the page stand in its manual page, %d of them" % len(re.findall(r"[a-z_]{9,}", fmi)), not lost, lost[:5])
 refused("two questions", "ask one", 2, "--search", "--errors", "x")
 refused("two pages", "one word too many", 2, "fmi", "fit")
 refused("a page that is near", "did you mean fmi?", 2, "fmii")

@@ -15,8 +15,8 @@ firmware/stage
 firmware/observe firmware/afm
 firmware/app
 firmware/main host_sim/cli
-host_sim/scene host_sim/database host_sim/help
-host_sim/report host_sim/afm host_sim/plants host_sim/listen
+host_sim/scene host_sim/database
+host_sim/report host_sim/afm host_sim/plants host_sim/listen host_sim/help
 host_sim/maps host_sim/replay
 host_sim/live host_sim/choose host_sim/fit
 host_sim/trial host_sim/library

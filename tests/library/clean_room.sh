@@ -27,6 +27,8 @@ examples() { # HOW, FOLDER, COMPILER: each one, shared and static, in a folder o
     done
     man contactplant 2>/tmp/why | grep -q "SUBCOMMANDS"
     verdict $? "$1: man contactplant" "$(head -n 1 /tmp/why)"
+    man contactplant-fmi 2>/tmp/why | grep -q "DESCRIPTION" && contactplant help fmi 2>/tmp/why | grep -q "^# "
+    verdict $? "$1: man contactplant-fmi, contactplant help fmi" "$(head -n 1 /tmp/why)"
     [ "$(contactplant --version | cut -d, -f1)" = "contactplant $version" ] && contactplant simulate rig --until 0.1 --every 0.1 >/dev/null 2>&1
     verdict $? "$1: contactplant runs"
     cd /root || exit 1

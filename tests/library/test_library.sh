@@ -82,10 +82,23 @@ for command in $("$build/contactplant" --help | awk '/^subcommands:/ {on = 1; ne
     grep -q "^.SS contactplant $command" "$prefix/share/man/man1/contactplant.1" || missing="$missing $command"
 done
 equal "subcommands without a section in the manual page" "$missing" ""
-if command -v groff >/dev/null; then
-    equal "warnings of groff about it" "$(groff -man -Tutf8 -ww -z "$prefix/share/man/man1/contactplant.1" 2>&1 | wc -l)" 0
-fi
+guides=$(ls docs/guide/*.md | wc -l)
+equal "manual pages of the guides" "$(ls "$prefix"/share/man/man7/contactplant-*.7 | wc -l)" "$guides"
+for lint in "groff -k -man -Tutf8 -ww -z" "mandoc -T lint -W warning"; do
+    command -v ${lint%% *} >/dev/null || continue
+    equal "warnings of $lint about all manual pages" "$(for page in "$prefix"/share/man/man[17]/*; do $lint "$page" 2>&1; done | head -n 3)" ""
+done
+for word in $("$prefix/bin/contactplant" fit --help | grep -o 'docs/[a-z]*/[a-z_-]*\.md') protocol; do
+    (cd / && "$prefix/bin/contactplant" help "$word") >"$here/page" 2>"$here/log" && grep -q "^# " "$here/page"
+    verdict $? "the installed program prints $word" "$(cat "$here/log")"
+done
 doc=$prefix/share/doc/contactplant
+missing=
+for name in $(for command in $("$build/contactplant" --help | sed -n '/^subcommands/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+    "$prefix/bin/contactplant" "$command" --help; done | grep -oE 'docs/[A-Za-z0-9_/.-]*[a-z]' | sort -u); do
+    [ -e "$doc/$name" ] || missing="$missing $name"
+done
+equal "pages that a subcommand's --help names and that are not installed" "$missing" ""
 missing=
 for name in $({ cat "$doc/README.md"; cat "$prefix/share/man/man1/contactplant.1"; } | tr -d '\\' | grep -oE '(docs|host_sim)/[A-Za-z0-9_/.-]*\.(md|dbc|c|h|svg|png)' | sort -u); do
     [ -e "$doc/$name" ] || missing="$missing $name"
@@ -99,7 +112,7 @@ for page in $(find "$doc" -name '*.md'); do
 done
 equal "links of installed pages that lead nowhere" "$missing" ""
 words() { # WORDS OF A COMMAND LINE..: what bash offers for the last one
-    bash -c '. "$1"; shift; COMP_WORDS=(contactplant "$@"); COMP_CWORD=$#; _contactplant; echo "${COMPREPLY[*]}"' - \
+    bash -c '. "$1"; shift; COMP_WORDS=("$0" "$@"); COMP_CWORD=$#; _contactplant; echo "${COMPREPLY[*]}"' "$prefix/bin/contactplant" \
         "$prefix/share/bash-completion/completions/contactplant" "$@"
 }
 equal "completion of: si" "$(words si)" simulate
@@ -108,6 +121,14 @@ equal "completion of: run shaft-fig18-2" "$(words run shaft-fig18-2)" "shaft-fig
 equal "completion of: run --method rk4_" "$(words run --method rk4_)" "rk4_float32 rk4_unlocated"
 equal "completion of: run --set mass_" "$(words run --set mass_)" "mass_kg="
 equal "completion of: run --setting timeout" "$(words run --setting timeout)" "timeout_frames="
+equal "completion of: run shaft --set mass, by the model of the scene" "$(words run shaft --set mass)" "mass1_kg= mass2_kg= mass3_kg="
+equal "completion of: run --overrun f" "$(words run --overrun f)" freeze
+equal "completion of: simulate --units" "$(words simulate --units "")" "model si"
+equal "completion of: stability --map c" "$(words stability --map c)" contact
+equal "completion of: random rig --observable pen" "$(words random rig --observable pen)" penetration
+equal "completion of: run --drive stiff" "$(words run --drive stiff)" "stiffness="
+equal "completion of: help --errors sta" "$(words help --errors sta)" "stale state"
+equal "completion of: help fm" "$(words help fm)" fmi
 equal "completion of: list mod" "$(words list mod)" models
 equal "completion of: send --model rig" "$(words send --model rig)" rig
 

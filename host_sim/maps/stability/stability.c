@@ -12,8 +12,9 @@
 #include "host_sim/maps/stability/stability_tell.h"
 
 static const struct option stability_options[] = {
-    {"map", "KIND", "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)",
-     OPTION_TEXT, .initial = "floquet", .identity = IDENTITY_INSIDE},
+    {"map", "floquet|contact",
+     "floquet: multipliers of the modulated contact; contact: energy and switches (floquet)", OPTION_TEXT,
+     .initial = "floquet", .identity = IDENTITY_INSIDE},
     {"x", "NAME=FROM:TO:N",
      "the number across; :log behind it for equal ratios (the modulation's frequency from 0.25 to 2.5 times "
      "the "
