@@ -235,8 +235,10 @@ stage waits "no internal value in what any subcommand prints or writes" /usr/bin
 stage waits "numbers of a scene from measured curves" /usr/bin/python3 tests/cli/test_fit.py build/contactplant
 stage waits "help: pages, searches, what to do about errors" /usr/bin/python3 tests/cli/test_help.py build/contactplant
 stage waits "outputs and inputs of every command" /usr/bin/python3 tests/cli/test_files.py build/contactplant
+stage waits "recorded logs in the scope: rows, gaps, events, bad input" /usr/bin/python3 tests/scope/test_view.py build/contactplant
 more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 more waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
+more waits "recorded logs in Chromium" /usr/bin/python3 tests/scope/test_view_page.py build/contactplant
 more waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
 stage waits "requirements of tests, shares of a scheduler" tests/trial/test_requirements.py build/contactplant

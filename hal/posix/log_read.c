@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include "hal/posix/pcapng.h"
 
 enum {
     SECONDS_DIGITS = 12,
@@ -326,6 +325,28 @@ void log_reader_rewind(struct log_reader *r)
         .file = r->file, .packets = r->packets, .path = r->path, .interface = r->interface};
     rewind(r->file);
     *r = fresh;
+}
+
+void log_reader_tell(const struct log_reader *r, struct log_place *p)
+{
+    memset(p, 0, sizeof *p);
+    p->offset = ftell(r->file);
+    p->line = r->line;
+    p->of_plant = r->of_plant;
+    p->turned = r->turned;
+    if (r->packets)
+        p->packets = *r->packets;
+}
+
+bool log_reader_seek(struct log_reader *r, const struct log_place *p)
+{
+    r->line = p->line;
+    r->of_plant = p->of_plant;
+    r->turned = p->turned;
+    if (r->packets)
+        *r->packets = p->packets;
+    clearerr(r->file);
+    return fseek(r->file, p->offset, SEEK_SET) == 0;
 }
 
 static void note_damage(struct log_reader *r, int column, const char *what)

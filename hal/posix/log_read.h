@@ -3,6 +3,7 @@
 #define HAL_LOG_READ_H
 
 #include "hal/posix/log.h"
+#include "hal/posix/pcapng.h"
 
 /* Parses one line without its line end: its kind is in *out. NULL, or for LOG_DAMAGED the reason why it is
  * none at *column (from 1). Accepted beyond the own form, for candump writes them: lower-case digits, several
@@ -40,5 +41,19 @@ int log_read_any(struct log_reader *r, struct log_line *out);
 void log_reader_rewind(struct log_reader *r);
 
 void log_reader_close(struct log_reader *r);
+
+/* A place between two lines, to come back to. */
+struct log_place {
+    long offset;           /* bytes from the begin of the file */
+    uint64_t line;         /* number of the line before */
+    bool of_plant, turned; /* as in struct log_reader */
+    struct pcapng packets; /* the section, where the log has packets */
+};
+
+/* Where the reader is. */
+void log_reader_tell(const struct log_reader *r, struct log_place *p);
+
+/* Goes back there, or on to there. False when the file cannot be read. */
+bool log_reader_seek(struct log_reader *r, const struct log_place *p);
 
 #endif

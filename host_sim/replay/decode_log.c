@@ -8,6 +8,7 @@ const char *decode_log_open(struct decode_log *d, const char *path, const char *
 {
     decode_begin(&d->rows, scene, tick_s);
     d->ended = false;
+    d->hear = NULL;
     return plant_log_open(&d->log, path, interface, scene);
 }
 
@@ -22,9 +23,14 @@ int decode_log_next(struct decode_log *d, struct decode_row *row)
     struct log_line line;
     struct message m;
     int got = 0;
-    while (!d->ended && (got = plant_log_next(&d->log, &line, &m)) > 0)
-        if (m.kind != WIRE_KINDS && decode_take(&d->rows, &m, row))
+    while (!d->ended && (got = plant_log_next(&d->log, &line, &m)) > 0) {
+        if (m.kind == WIRE_KINDS)
+            continue;
+        if (d->hear)
+            d->hear(d->context, &m);
+        if (decode_take(&d->rows, &m, row))
             return 1;
+    }
     bool last = !d->ended && got == 0 && d->rows.begun;
     d->ended = true;
     decode_end(&d->rows, row);

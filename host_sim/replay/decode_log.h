@@ -9,6 +9,8 @@ struct decode_log {
     struct plant_log log;
     struct decode rows; /* rows.events.take takes the events */
     bool ended;
+    void (*hear)(void *context, const struct message *m); /* each, before the rows take it; NULL: none */
+    void *context;
 };
 
 /* NULL, or the reason; see plant_log_open. */

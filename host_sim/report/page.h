@@ -2,6 +2,7 @@
 #ifndef HOST_SIM_PAGE_H
 #define HOST_SIM_PAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct page_file {
@@ -16,6 +17,9 @@ enum {
     PAGE_CSS,
     PAGE_JS,
     PAGE_DRAW,
+    PAGE_KEYS,
+    PAGE_VIEW,
+    PAGE_VIEW_JS,
     PAGE_CONTROL,
     PAGE_SERVED,
     PAGE_REPORT = PAGE_SERVED,
@@ -24,7 +28,7 @@ enum {
 };
 extern const struct page_file page_file[PAGE_FILES];
 
-/* The served file at this path, or NULL. */
-const struct page_file *page_find(const char *path);
+/* The served file at this path, or NULL. With `logs` the page at / is that of recorded logs. */
+const struct page_file *page_find(const char *path, bool logs);
 
 #endif

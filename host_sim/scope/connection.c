@@ -90,6 +90,25 @@ static void answer_file(struct connection *c, const struct page_file *f, bool he
     begin_answer(c);
 }
 
+/* The answer is that of site.ask. */
+static void answer_question(struct connection *c, const struct site *s, const struct http_request *r)
+{
+    static const char head[] =
+        "HTTP/1.1 200 OK\r\nContent-Type: application/json; charset=utf-8\r\n" ALWAYS "\r\n";
+    const size_t n = sizeof head - 1;
+    const char *why = "there is / and /log";
+    struct json j;
+    memcpy(c->first, head, n);
+    json_begin(&j, c->first + n, sizeof c->first - n);
+    enum http_status status = s->ask(s->context, r, &j, &why);
+    if (status != HTTP_OK) {
+        answer_sentence(c, status, why, r->head);
+        return;
+    }
+    c->n_first = n + (r->head ? 0 : j.n);
+    begin_answer(c);
+}
+
 /* NULL: one more stream may begin for the client. */
 static const char *no_stream(const struct connection *c, const struct site *s)
 {
@@ -168,7 +187,7 @@ static void judge_command(struct connection *c, struct site *s, const struct htt
 
 static void answer(struct connection *c, struct site *s, const struct http_request *r)
 {
-    const struct page_file *f = page_find(r->target);
+    const struct page_file *f = page_find(r->target, s->ask != NULL);
     bool hidden = f == &page_file[PAGE_CONTROL] && !s->control.token[0];
     char why[SENTENCE];
     if (!http_host_is_ours(r->host, s->bound, c->local)) {
@@ -179,6 +198,8 @@ static void answer(struct connection *c, struct site *s, const struct http_reque
         judge_command(c, s, r);
     else if (f && !hidden)
         answer_file(c, f, r->head);
+    else if (s->ask)
+        answer_question(c, s, r);
     else if (!strcmp(r->target, "/events"))
         answer_stream(c, s, r->head);
     else

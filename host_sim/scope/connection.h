@@ -17,7 +17,7 @@
 #include "host_sim/out/json.h"
 
 enum {
-    CONNECTION_FIRST = 1 << 18, /* bytes of an answer's head, and of a stream before it reads the ring */
+    CONNECTION_FIRST = 1 << 19, /* bytes of an answer's head, and of a stream before it reads the ring */
     CONNECTION_SEND_BUFFER = 1 << 17, /* asked for in the kernel */
     CONNECTION_TURN = 1 << 18,        /* bytes sent in one turn */
     CONNECTION_DRAIN = 1 << 20, /* bytes of a refused request that are read, so that the answer arrives */
@@ -41,6 +41,9 @@ struct site {
     const struct connection *connection; /* all of the server, to count the streams of an address */
     int n_connections;
     void (*greet)(void *context, struct json *j); /* writes what a new stream has first */
+    /* Where recorded logs are shown, and there is no stream: writes the answer to a target. HTTP_OK,
+     * HTTP_NOT_FOUND for a target that it does not know, or another status, whose reason is *why. */
+    enum http_status (*ask)(void *context, const struct http_request *r, struct json *j, const char **why);
     void *context;
     struct page_send control; /* without a token: no command is taken */
 };

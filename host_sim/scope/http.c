@@ -106,14 +106,15 @@ static bool is_token(struct text t)
 
 static enum http_status take_target(struct http_request *r, struct text target)
 {
-    struct text path = target;
+    struct text path = target, query = {"", ""};
     if (target.at == target.end || *target.at != '/')
         return refuse(r, HTTP_BAD, "the target of a request begins with /");
-    (void)take_until(&target, '?', &path);
-    if (path.end - path.at >= HTTP_TARGET)
-        return refuse(r, HTTP_LONG_TARGET, "the target is longer than 1023 bytes");
+    if (take_until(&target, '?', &path))
+        query = target;
+    if (path.end - path.at >= HTTP_TARGET || query.end - query.at >= HTTP_TARGET)
+        return refuse(r, HTTP_LONG_TARGET, "the target, or its query, is longer than 1023 bytes");
     memcpy(r->target, path.at, (size_t)(path.end - path.at));
-    r->target[path.end - path.at] = '\0';
+    memcpy(r->query, query.at, (size_t)(query.end - query.at));
     return HTTP_OK;
 }
 

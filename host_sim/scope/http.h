@@ -36,6 +36,7 @@ struct http_request {
     bool head;                /* HEAD: the answer has no body */
     bool post;                /* POST to a target below HTTP_COMMAND */
     char target[HTTP_TARGET]; /* begins with '/'; without the query */
+    char query[HTTP_TARGET];  /* behind the '?'; "" where there is none */
     char host[HTTP_HOST];     /* the header Host, lower case, without the port; "" where there is none */
     const char *why;          /* one sentence for a status that is no HTTP_OK */
     /* POST only: headers as they came, "" where there is none, and the body, a line of text */

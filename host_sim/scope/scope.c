@@ -2,7 +2,9 @@
 #include "host_sim/scope/scope_child.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/commands.h"
+#include "host_sim/replay/decode_signals.h"
 #include "host_sim/scope/hub.h"
+#include "host_sim/scope/scope_logs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +16,8 @@ static const double settle_s = 1.0; /* for the other items of INFO, after the fi
 static const struct option scope_command_options[] = {
     SCOPE_HTTP,
     SCOPE_CONTROL,
+    {"open", "FILE", "a recorded log instead of a plant; twice: two logs, and where they differ",
+     OPTION_READS, .initial = NULL, .many = true},
     {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_WRITES,
      .initial = NULL},
     {"duration", "S", "end after this many seconds (0: with Ctrl-C)", OPTION_NUMBER, 0.0, 1e9,
@@ -31,7 +35,7 @@ static const struct usage scope_usage = {
         "--setting, --rate, --substeps and --dilation of the plant. The page shows no number before INFO\n"
         "identity confirms them. Only this machine can open the page, unless --http says otherwise. Nobody\n"
         "can command the plant by it, unless --control says so. contactplant run --scope starts plant and\n"
-        "scope in one command.",
+        "scope in one command. --open shows a recorded log instead, of the SCENE that made it.",
     .words_help = SCENE_WORDS_HELP
     "Several plants of one bus are told apart by their identifiers: SCENE@0x240 is the plant with\n"
     "--base-id 0x240.\n",
@@ -39,9 +43,10 @@ static const struct usage scope_usage = {
                 "  contactplant scope rig --bus can:can0 --http 127.0.0.1:9000\n"
                 "  contactplant scope hertz_rig shaft_bearing@0x240 --bus can:can0\n"
                 "  contactplant scope --http 0.0.0.0:8080             for other machines, too\n"
+                "  contactplant scope --open run.log rig              a recorded log\n"
                 "  contactplant run rig --scope                       without a second terminal\n",
     .max_words = HUB_PLANTS,
-    .table = {scope_command_options, bus_options, scene_options},
+    .table = {scope_command_options, decode_log_options, bus_options, scene_options},
 };
 
 struct scope {
@@ -195,6 +200,8 @@ int cmd_scope(int argc, char **argv)
     int status;
     if (!options_parse(&o, &scope_usage, argc, argv, &status))
         return status;
+    if (options_given(&o, "open"))
+        return scope_logs(&o);
     struct scope *s = calloc(1, sizeof *s);
     if (!s)
         return options_failure(&scope_usage, "out of memory");

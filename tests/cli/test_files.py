@@ -19,7 +19,7 @@ program = os.path.abspath(sys.argv[1])
 port = 31000 + os.getpid() % 800 * 10
 REFUSED = re.compile(r"^contactplant [a-z]+: .*(itself|read by this command|read by it|golden log|controller's command|choose two files|, too)\b.*\n$")
 # Options with FILE that read, and the placeholders of values that name no file.
-READS = {("run", "plants"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("fit", "log"), ("fit", "thermal"), ("fit", "curve"), ("scan", "surface"), ("test", "requirements"), ("basin", "rows")}
+READS = {("run", "plants"), ("scope", "open"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("fit", "log"), ("fit", "thermal"), ("fit", "curve"), ("scan", "surface"), ("test", "requirements"), ("basin", "rows")}
 NO_FILE = {"A,B,...", "ADDRESS:PORT", "BUS", "CH=A,HZ,RAD", "CH=SD,STEPS,SEED", "D", "DT", "E", "FRAMES", "FROM:TO", "H", "HOST:PORT", "HZ", "I/N", "ID",
            "LIST", "M", "M/S", "MACHINE", "MB", "N", "N,N/M,..", "NAME", "NAME,..", "NAME=FROM:TO", "NAME=FROM:TO:N",
            "NAME=VALUE", "OUTPUT", "PERIODS", "S", "SHARE", "T", "T1,T2,...", "TIME", "WHAT", "WHERE", "X", "model|si", "floquet|contact", "catch_up|skip|freeze|stop"}
@@ -28,6 +28,7 @@ LINES = [
     (["run", "s.ini", "--duration", "0.02", "--bus", "udp:127.0.0.1:%d" % port], [], True),
     (["run", "--plants", "list.txt"], [], False),
     (["scope", "s.ini", "t.ini@0x100"], [], False),
+    (["scope", "--open", "run.log"], [], False),
     (["demo"], [], False),
     (["test", "u.test", "v.test"], ["s.ini", "g.log", "ctl.sh"], False),
     (["test", "v.test"], ["s.ini"], True),

@@ -24,7 +24,7 @@ BAD = [re.compile(WORD % w, re.I) for w in (r"[-+]?nan", r"[-+]?inf", r"[-+]?inf
                              r"\b4294967295\b", r"-2147483648\b", r"-9223372036854775808\b", r"\(null\)", r"%[dsg]\b")]
 # documented: the protocol's field that may be NaN; the range of a 32-bit field
 TRUE = {"list": "NaN: nothing to measure", "dbc": "4294967295", "dissector": "NaN: nothing to measure"}
-INPUTS = {"test": {"requirements"}, "basin": {"rows"}, "scan": {"surface"}, "run": {"plants"}, "fit": {"log", "thermal", "curve"}}
+INPUTS = {"test": {"requirements"}, "basin": {"rows"}, "scan": {"surface"}, "run": {"plants"}, "scope": {"open"}, "fit": {"log", "thermal", "curve"}}
 KINDS = ("FILE", "DIR", "WHERE")
 
 

@@ -168,7 +168,7 @@ class Handler(BaseHTTPRequestHandler):
         if path == "/events":
             return self.events()
         name = "scope.html" if path == "/" else path[1:]
-        if name not in ("scope.html", "scope.css", "scope.js", "draw.js"):
+        if name not in ("scope.html", "scope.css", "scope.js", "draw.js", "keys.js"):
             return self.send_error(404)
         with open(os.path.join(PAGE, name), "rb") as file:
             data = file.read()

@@ -12,7 +12,7 @@ const SCALED = ["m", "m/s", "N", "J", "Hz", "s"];
 function unitFor(largest, unit) {
   if (!SCALED.includes(unit) || !(largest > 0))
     return {factor: 1, unit: unit === "1" ? "" : unit || ""};
-  const power = max(-5, min(3, floor(log10(largest) / 3 + 1e-9)));
+  const power = max(-5, min(unit === "s" ? 0 : 3, floor(log10(largest) / 3 + 1e-9)));
   return {factor: 10 ** (-3 * power), unit: PREFIXES[power + 5] + unit};
 }
 
@@ -63,7 +63,7 @@ let colours = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
   colours = {};
-  for (const name of ["ink", "dim", "grid", "paper", "blue", "red", "green", "orange", "purple", "grey"])
+  for (const name of ["ink", "dim", "grid", "paper", "blue", "red", "green", "orange", "purple", "grey", "ground", "accent"])
     colours[name] = style.getPropertyValue("--" + name).trim();
 }
 const colour = (name) => colours[name] || name;
@@ -216,36 +216,6 @@ class Chart {
     c.strokeStyle = colour(name);
     c.stroke();
     this.points(x, y, name);
-  }
-
-  /* Filled from low[i] to high[i] at x[i], with straight lines between; NaN leaves a gap. */
-  area(x, low, high, name) {
-    const c = this.c;
-    c.beginPath();
-    for (let i = 0, k; i < x.length; i = k + 1) {
-      for (k = i; k < x.length && finite(low[k]) && finite(high[k]); k++)
-        c[k > i ? "lineTo" : "moveTo"](this.px(x[k]), this.py(high[k]));
-      for (let j = k - 1; j >= i; j--)
-        c.lineTo(this.px(x[j]), this.py(low[j]));
-    }
-    this.fill(name, 0.4);
-  }
-
-  /* Rectangles from from[i] to to[i] across, and `half` below and above y[i]. */
-  cells(from, to, y, half, name) {
-    this.c.beginPath();
-    for (let i = 0; i < y.length; i++) {
-      const a = round(this.px(from[i])), b = round(this.py(y[i] + half));
-      this.c.rect(a, b, round(this.px(to[i])) - a, round(this.py(y[i] - half)) - b);
-    }
-    this.fill(name, 0.7);
-  }
-
-  fill(name, alpha) {
-    this.c.fillStyle = colour(name);
-    this.c.globalAlpha = alpha;
-    this.c.fill();
-    this.c.globalAlpha = 1;
   }
 
   points(x, y, name, {from = 0, to = x.length, size = 3} = {}) {

@@ -4,6 +4,39 @@
 const report = JSON.parse(document.getElementById("data").textContent), charts = [];
 const INKS = ["blue", "red", "green", "purple", "orange", "grey"];
 
+/* With layers that no live page has. */
+class ReportChart extends Chart {
+  /* Filled from low[i] to high[i] at x[i], with straight lines between; NaN leaves a gap. */
+  area(x, low, high, name) {
+    const c = this.c;
+    c.beginPath();
+    for (let i = 0, k; i < x.length; i = k + 1) {
+      for (k = i; k < x.length && finite(low[k]) && finite(high[k]); k++)
+        c[k > i ? "lineTo" : "moveTo"](this.px(x[k]), this.py(high[k]));
+      for (let j = k - 1; j >= i; j--)
+        c.lineTo(this.px(x[j]), this.py(low[j]));
+    }
+    this.fill(name, 0.4);
+  }
+
+  /* Rectangles from from[i] to to[i] across, and `half` below and above y[i]. */
+  cells(from, to, y, half, name) {
+    this.c.beginPath();
+    for (let i = 0; i < y.length; i++) {
+      const a = round(this.px(from[i])), b = round(this.py(y[i] + half));
+      this.c.rect(a, b, round(this.px(to[i])) - a, round(this.py(y[i] - half)) - b);
+    }
+    this.fill(name, 0.7);
+  }
+
+  fill(name, alpha) {
+    this.c.fillStyle = colour(name);
+    this.c.globalAlpha = alpha;
+    this.c.fill();
+    this.c.globalAlpha = 1;
+  }
+}
+
 function add(parent, tag, text, name) {
   const e = document.createElement(tag);
   e.textContent = text || "";
@@ -29,7 +62,7 @@ function addChart(section, s) {
     l.y &&= l.y.map(Math.log10);
   const canvas = add(section, "canvas");
   canvas.role = "img";
-  charts.push({s, canvas, chart: new Chart(canvas), cursor: NaN, bounds: bounds(s), group: section});
+  charts.push({s, canvas, chart: new ReportChart(canvas), cursor: NaN, bounds: bounds(s), group: section});
   s.exact = s.layers.some((l) => l.kind === "bounds");
   s.layers = s.layers.filter((l) => l.kind !== "bounds");
   addKey(section, s.layers.filter((l) => l.kind === "cells"));

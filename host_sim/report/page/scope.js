@@ -9,17 +9,6 @@ const CONTRACT = 1, KEEP_ROWS = 65536, KEEP_EVENTS = 32768, KEEP_BURSTS = 8, SLO
 const WINDOWS = [0.02, 0.1, 0.5, 2, 10, 60], WINDOW_MIN = 0.002, WINDOW_MAX = 60;
 const MASK_LAG_S = 0.2, PHASE_GAP = 1 / 40, BAND_ROWS_MAX = 240;
 const COLOURS = ["blue", "green", "purple", "orange"];
-const find = (id) => document.getElementById(id);
-const plain = (name) => name.replace(/_/g, " ");
-const nan = (v) => v ?? NaN;
-const clamp = (x, low, high) => max(low, min(high, x));
-const make = (tag, more) => Object.assign(document.createElement(tag), more);
-const after = (list, x) => list[(list.indexOf(x) + 1) % list.length];
-
-function put(id, text) {
-  if (find(id).textContent !== text)
-    find(id).textContent = text;
-}
 
 /* ---- what is kept ---- */
 
@@ -250,11 +239,6 @@ function connect() {
     if (source.readyState === EventSource.CLOSED)
       setTimeout(connect, 1000);
   };
-}
-
-function alarm(text) {
-  find("alarm").textContent = text;
-  find("alarm").hidden = !text;
 }
 
 function listPlants() {
@@ -926,24 +910,6 @@ function nextSlot() {
   view.slot = Number(after(Object.keys(shown.lockin), String(view.slot)) || 0);
 }
 
-const system = matchMedia("(prefers-color-scheme: dark)");
-let theme = "";
-function showTheme() {
-  document.documentElement.dataset.theme = theme || (system.matches ? "dark" : "light");
-  readColours();
-}
-
-function nextTheme() {
-  theme = after(["", "light", "dark"], theme);
-  showTheme();
-}
-
-function showKeys() {
-  const keys = find("keys");
-  keys.hidden = !keys.hidden;
-  find("help").ariaExpanded = !keys.hidden;
-}
-
 function escape() {
   view.cursor = view.at = view.from = view.to = NaN;
   view.burst = false;
@@ -965,30 +931,8 @@ const KEYS = [
   ["g", "time axis to the trigger of the burst", {g: toTrigger}],
   ["n", "next plant", {n: nextPlant}],
   ["l", "next lock-in slot", {l: nextSlot}],
-  ["t", "light, dark, as the system", {t: nextTheme}],
-  ["?", "this list", {"?": showKeys}],
 ];
-const keys = Object.assign({}, ...KEYS.map((k) => k[2]));
-
-function listKeys() {
-  for (const [names, words] of KEYS) {
-    const dt = make("dt");
-    for (const name of names.split(" "))
-      dt.append(make("kbd", {textContent: name}), " ");
-    find("key-list").append(dt, make("dd", {textContent: words}));
-  }
-}
-
-function onKey(e) {
-  const on = e.target.tagName, act = keys[e.key];
-  if (on === "INPUT" && e.key === "Escape")
-    e.target.blur();
-  if (!act || on === "INPUT" || e.ctrlKey || e.altKey || e.metaKey || on === "SELECT" && e.key !== "Escape" ||
-    on === "BUTTON" && e.key === " " || !shown && e.key !== "?" && e.key !== "t")
-    return;
-  e.preventDefault();
-  act();
-}
+let keys = {}; /* these, and those of keys.js */
 
 function onPointer(e) {
   const panel = panels.find((l) => l.canvas === e.target);
@@ -999,16 +943,13 @@ function onPointer(e) {
 }
 
 function listen() {
-  listKeys();
+  keys = useKeys(KEYS, () => shown);
   for (const card of document.querySelectorAll(".card"))
     card.ariaLabel = card.querySelector("h2").textContent;
   for (const s of WINDOWS)
     find("window").add(new Option(quantity(s, "s"), s), find("own"));
   setSpan(view.span);
-  document.addEventListener("keydown", onKey);
   find("pause").onclick = () => shown && pause(view.end === null);
-  find("theme").onclick = nextTheme;
-  find("help").onclick = showKeys;
   find("take").onclick = () => keys.c();
   find("plant").onchange = (e) => choose(Number(e.target.value));
   find("window").onchange = (e) => setSpan(Number(e.target.value));
@@ -1022,7 +963,6 @@ function listen() {
   }, {passive: false});
   find("burst").onfocus = () => view.burst = true;
   find("burst").onblur = () => view.burst = false;
-  system.addEventListener("change", showTheme);
 }
 
 let tablesAt = 0;
@@ -1047,7 +987,6 @@ window.scope = Object.freeze({
   look: () => ({view, panels, shown, counted, plants}),
 });
 
-showTheme();
 listen();
 connect();
 requestAnimationFrame(picture);
