@@ -183,12 +183,25 @@ static bool print_advice_on(const char *word)
 }
 
 /* Messages that the page of errors has. */
-static bool print_messages(const struct options *o)
+static bool print_messages(const struct options *o, const char *text)
 {
     static struct pages pages;
     char why[WHY];
     int page = pages_find(&pages, why, sizeof why) ? pages_named(&pages, ERRORS_PAGE) : -1;
-    return page >= 0 && search_page(&pages, page, o->word, o->n_words) > 0;
+    return page >= 0 && search_messages(&pages, page, text, o->word, o->n_words) > 0;
+}
+
+/* Names that stand in the text between others: `FIRE: late`. */
+static bool print_names_in(const char *text)
+{
+    bool found = false;
+    for (size_t n; *text; text += n ? n : 1) {
+        char name[PAGES_NAME];
+        n = strspn(text, "abcdefghijklmnopqrstuvwxyz_");
+        snprintf(name, sizeof name, "%.*s", (int)n, text);
+        found = (n > 0 && n < sizeof name && print_advice_on(name)) || found;
+    }
+    return found;
 }
 
 static int no_advice(const char *text)
@@ -213,7 +226,8 @@ static int errors(const struct options *o)
             print_advice(advice_name(i));
         return STATUS_DONE;
     }
-    return print_advice_on(text) || print_messages(o) ? STATUS_DONE : no_advice(text);
+    bool known = print_advice_on(text) || print_messages(o, text) || print_names_in(text);
+    return known ? STATUS_DONE : no_advice(text);
 }
 
 int cmd_help(int argc, char **argv)
@@ -225,6 +239,9 @@ int cmd_help(int argc, char **argv)
     if (!options_parse(&o, &help_usage, argc, argv, &status))
         return status;
     bool searches = options_given(&o, "search"), explains = options_given(&o, "errors");
+    for (int i = 0; i < o.n_words; i++)
+        if (!*o.word[i])
+            return options_misuse(&help_usage, "a word is empty; leave it out");
     if (searches && explains)
         return options_misuse(&help_usage, "--search and --errors are two questions; ask one");
     if (explains)

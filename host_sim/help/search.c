@@ -1,6 +1,8 @@
 /* search.c - see search.h. */
 #include "host_sim/help/search.h"
 
+#include "host_sim/cli/paragraph.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,5 +60,35 @@ int search_page(const struct pages *p, int page, const char *const *word, int n_
             found += printf("%s: %s: %s\n", p->name[page], heading, both + strspn(both, " ")) > 0;
     }
     free(text);
+    return found;
+}
+
+/* The cells of a row without the bars; false for a line that is none. */
+static bool cut_row(char *line, char **message, char **advice)
+{
+    char *end = strncmp(line, "| ", 2) ? NULL : strstr(line + 2, " | ");
+    if (!end)
+        return false;
+    *end = '\0';
+    *message = line + 2;
+    *advice = end + 3;
+    (*advice)[strcspn(*advice, "|")] = '\0';
+    return true;
+}
+
+int search_messages(const struct pages *p, int page, const char *text, const char *const *word, int n_words)
+{
+    char *all = pages_read(p, page), *end = all ? all + strlen(all) : NULL, *message, *advice;
+    int found = 0;
+    for (char *line = all, *next; line && line < end; line = next) {
+        next = cut(line);
+        if (!cut_row(line, &message, &advice) ||
+            (!strcasestr(text, message) && !has_all(message, word, n_words)))
+            continue;
+        printf("%s\n", message);
+        paragraph_print(stdout, 2, "", "-> %s", advice);
+        found++;
+    }
+    free(all);
     return found;
 }

@@ -119,8 +119,13 @@ sources = re.sub(r'"\s*\n\s*"', "", sources)
 messages = [m for m in re.findall(r"^\| ([^|]*) \|", trouble, re.M) if m not in ("message", "---")]
 stale = [m for m in messages if m not in sources]
 verdict("%d messages of the page of errors are messages of the program" % len(messages), len(messages) > 10 and not stale, stale)
-lost = [m for m in messages if m not in run("--errors", *m.split()).stdout]
+lost = [m for m in messages if m + "\n  -> " not in run("--errors", *m.split()).stdout]
 verdict("--errors finds each of them", not lost, lost)
+said = subprocess.run([program, "control", "--bus", "udp:127.77.0.1:%d" % (20000 + os.getpid() % 9000), "--peer", "127.77.0.2:20000", "--duration", "1"], stdout=subprocess.PIPE,
+                      stderr=subprocess.STDOUT, text=True).stdout.strip().split("\n")[-1]
+verdict("a whole line of the program, as it was printed: %.60s" % said, "no plant answers\n  -> Start one" in run("--errors", said).stdout, said)
+verdict("a name in a line of send", run("--errors", "FIRE: late, 12 ticks").stdout == r.stdout)
+refused("an empty word", "a word is empty", 2, "--errors", "")
 refused("no such error", 'nothing is known about "late_"; did you mean late?', 2, "--errors", "late_")
 
 # Elsewhere: an installed tree that was moved, with blanks; a program alone.
