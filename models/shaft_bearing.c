@@ -200,34 +200,24 @@ bool shaft_linear(const double *p, unsigned regime, struct linear *l)
 
 const int shaft_sides[SHAFT_CONTACTS] = {1, -1, 1, -1};
 
+/* Members of struct model that the full and the linear model share. */
+#define THREE_MASSES                                                                                         \
+    .n_states = 6, .n_parameters = SHAFT_PARAMETERS, .n_paper = SHAFT_PAPER, .state_signal = states,         \
+    .parameter = parameters, .paper = paper, .check = shaft_check, .from_paper = shaft_from_paper,           \
+    .paper_state = paper_state, .state_from_paper = state_from_paper, .rest = rest, .energy = shaft_energy,  \
+    .output = shaft_output, SHAFT_SAME
+
 const struct model shaft_bearing = {
     .name = "shaft_bearing",
     .title = "flexible shaft of three masses on two bearings with clearance, piecewise linear",
-    .n_states = 6,
-    .n_inputs = SHAFT_INPUTS,
-    .n_outputs = SHAFT_OUTPUTS,
     .n_contacts = SHAFT_CONTACTS,
-    .n_parameters = SHAFT_PARAMETERS,
-    .n_paper = SHAFT_PAPER,
-    .state_signal = states,
-    .input_signal = shaft_inputs,
-    .output_signal = shaft_outputs,
     .contact_side = shaft_sides,
-    .parameter = parameters,
-    .paper = paper,
-    .check = shaft_check,
     .prepare = shaft_prepare,
-    .from_paper = shaft_from_paper,
-    .paper_state = paper_state,
-    .state_from_paper = state_from_paper,
-    .rest = rest,
-    .eigenfrequency = shaft_eigenfrequency,
     .rhs = shaft_bearing_rhs,
     .gap = shaft_bearing_gap,
     .flow = shaft_bearing_flow,
-    .energy = shaft_energy,
-    .output = shaft_output,
     .linear = shaft_linear,
+    THREE_MASSES,
 };
 
 /* ---- the linear model ---- */
@@ -254,30 +244,13 @@ static void climb(const double *p, const double *x, double *full_x)
 const struct model shaft_bearing_linear = {
     .name = "shaft_bearing_linear",
     .title = "shaft_bearing without gap springs; penetration tells when it has left its range",
-    .n_states = 6,
-    .n_inputs = SHAFT_INPUTS,
-    .n_outputs = SHAFT_OUTPUTS,
     .n_contacts = 0,
-    .n_parameters = SHAFT_PARAMETERS,
-    .n_paper = SHAFT_PAPER,
-    .state_signal = states,
-    .input_signal = shaft_inputs,
-    .output_signal = shaft_outputs,
-    .parameter = parameters,
-    .paper = paper,
-    .check = shaft_check,
     .prepare = prepare_linear,
-    .from_paper = shaft_from_paper,
-    .paper_state = paper_state,
-    .state_from_paper = state_from_paper,
-    .rest = rest,
-    .eigenfrequency = shaft_eigenfrequency,
     .rhs = shaft_bearing_rhs_open,
     .gap = model_no_gap,
     .flow = shaft_bearing_flow_open,
-    .energy = shaft_energy,
-    .output = shaft_output,
     .linear = linear_view,
+    THREE_MASSES,
     .full = &shaft_bearing,
     .climb = climb,
 };

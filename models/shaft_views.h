@@ -56,6 +56,11 @@ double shaft_energy(const double *p, const struct input *u, const double *x);
 void shaft_output(const double *p, const struct input *u, const double *x, double *output);
 bool shaft_linear(const double *p, unsigned regime, struct linear *l);
 
+/* Members of struct model that all models of the shaft share. */
+#define SHAFT_SAME                                                                                           \
+    .n_inputs = SHAFT_INPUTS, .n_outputs = SHAFT_OUTPUTS, .input_signal = shaft_inputs,                      \
+    .output_signal = shaft_outputs, .eigenfrequency = shaft_eigenfrequency
+
 /* shape[k][i]: motion of mass i in mode k of the open shaft, eigenfrequencies ascending, any norm. */
 void shaft_open_modes(const double *p, double shape[3][3]);
 

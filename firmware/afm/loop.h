@@ -1,5 +1,4 @@
-/* loop.h - parts of the reference controllers of an AFM: a PI controller, and the closed form of
- * dual-frequency resonance tracking (DART; Rodriguez et al. 2007). */
+/* loop.h - the PI controller of an AFM's reference loops. */
 #ifndef FIRMWARE_AFM_LOOP_H
 #define FIRMWARE_AFM_LOOP_H
 
@@ -14,10 +13,5 @@ struct loop {
 
 /* The output after a sample of length dt with error e. */
 double loop_run(struct loop *l, double e, double dt);
-
-/* Resonance and quality of a simple harmonic oscillator from its amplitudes and phases (rad, negative for a
- * lag) at two drives of equal force. False where these belong to no oscillator. */
-bool loop_find_resonance(const double f_Hz[2], const double amplitude[2], const double phase[2],
-                         double *f0_Hz, double *quality);
 
 #endif

@@ -315,11 +315,17 @@ static void send_hash(struct telemetry *t, const struct app *a)
     send_values(t, a, WIRE_HASH, (double)(plant_hash(&a->plant) & 0xFFFFFFFFFFFFu), 0.0, 0.0);
 }
 
+/* Sends every item of INFO again, one per frame, IDENTITY first. */
+static void tell_info(struct telemetry *t)
+{
+    t->info_pending = (1u << INFO_ITEMS) - 1u;
+}
+
 void telemetry_init(struct telemetry *t)
 {
     memset(t, 0, sizeof *t);
     memset(t->said, 0xFF, sizeof t->said); /* a double whose bits are all one is a NaN */
-    telemetry_tell_info(t);
+    tell_info(t);
 }
 
 void telemetry_tell_selftest(struct telemetry *t, const struct app *a)
@@ -327,15 +333,10 @@ void telemetry_tell_selftest(struct telemetry *t, const struct app *a)
     t->selftest_pending = a->selftest.present ? (1u << SELFTEST_CHECKS) - 1u : 0;
 }
 
-void telemetry_tell_info(struct telemetry *t)
-{
-    t->info_pending = (1u << INFO_ITEMS) - 1u;
-}
-
 void telemetry_greet(struct telemetry *t, const struct app *a)
 {
     telemetry_tell_selftest(t, a);
-    telemetry_tell_info(t);
+    tell_info(t);
     t->watch_sent = a->watch.number - 1;
 }
 

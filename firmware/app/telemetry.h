@@ -42,9 +42,6 @@ void telemetry_report(struct telemetry *t, const struct app *a, uint32_t advance
 /* Sends SELF_TEST again, one check per frame; nothing without a self-test. */
 void telemetry_tell_selftest(struct telemetry *t, const struct app *a);
 
-/* Sends every item of INFO again, one per frame, IDENTITY first. */
-void telemetry_tell_info(struct telemetry *t);
-
 /* For a session that opens: sends SELF_TEST, INFO and a latched WATCH again. */
 void telemetry_greet(struct telemetry *t, const struct app *a);
 

@@ -9,7 +9,8 @@ int64_t clock_ns(void)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-uint64_t clock_us(void)
+/* Microseconds of that clock. */
+static uint64_t clock_us(void)
 {
     return (uint64_t)clock_ns() / 1000u;
 }

@@ -16,9 +16,6 @@
 /* Nanoseconds of CLOCK_ELAPSED, or of CLOCK_MONOTONIC where the kernel does not have it. */
 int64_t clock_ns(void);
 
-/* Microseconds of that clock. */
-uint64_t clock_us(void);
-
 /* struct hal's now_us: the same clock, wrapping at 32 bits. */
 uint32_t clock_now_us(void *context);
 

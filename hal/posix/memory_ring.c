@@ -33,7 +33,8 @@ static void pause_a_look(void)
 #endif
 }
 
-uint32_t memory_ring_processor(void)
+/* The caller's processor, plus 1; 0: not known. */
+static uint32_t processor_now(void)
 {
     return (uint32_t)(sched_getcpu() + 1);
 }
@@ -45,14 +46,14 @@ bool memory_ring_put(struct memory_ring *r, const void *bytes, uint32_t n)
         return false;
     r->slot[written % MEMORY_SLOTS].n = n;
     memcpy(r->slot[written % MEMORY_SLOTS].bytes, bytes, n);
-    store(&r->processor, memory_ring_processor());
+    store(&r->processor, processor_now());
     store(&r->written, written + 1);
     if (load(&r->asleep))
         (void)syscall(SYS_futex, &r->written, FUTEX_WAKE, 1, NULL, NULL, 0);
     return true;
 }
 
-bool memory_ring_has_packet(const struct memory_ring *r)
+static bool has_packet(const struct memory_ring *r)
 {
     return load(&r->written) != load(&r->taken);
 }
@@ -69,7 +70,7 @@ static bool look(const struct memory_ring *r, int64_t patience_ns)
     int64_t end_ns = clock_ns() + patience_ns;
     do {
         for (int i = 0; i < LOOKS; i++, pause_a_look())
-            if (memory_ring_has_packet(r))
+            if (has_packet(r))
                 return true;
     } while (clock_ns() < end_ns);
     return false;
@@ -77,8 +78,8 @@ static bool look(const struct memory_ring *r, int64_t patience_ns)
 
 static bool comes_soon(const struct memory_ring *r, struct memory_wait *w)
 {
-    int64_t patience_ns = memory_ring_patience_ns(load(&r->processor), memory_ring_processor());
-    bool here = memory_ring_has_packet(r);
+    int64_t patience_ns = memory_ring_patience_ns(load(&r->processor), processor_now());
+    bool here = has_packet(r);
     if (here || patience_ns == 0)
         return here;
     if (w->at_once > 0) {
@@ -107,7 +108,7 @@ bool memory_ring_await(struct memory_ring *r, struct memory_wait *w, int ms)
 {
     if (!comes_soon(r, w))
         sleep_for_packet(r, w, ms);
-    return memory_ring_has_packet(r);
+    return has_packet(r);
 }
 
 int memory_ring_take(struct memory_ring *r, uint8_t *bytes)

@@ -41,9 +41,6 @@ struct memory_wait {
     uint32_t sleeps;  /* so far */
 };
 
-/* The caller's processor, plus 1; 0: not known. */
-uint32_t memory_ring_processor(void);
-
 /* For how long a reader on the processor `here` looks for a packet of a writer on `there`. On the same one
  * the writer waits for it: 0. On another one it is longer than a sleeper takes to wake, so that the two do
  * not settle in sleeping: 400 us. Where that is not known: 20 us. */
@@ -51,8 +48,6 @@ int64_t memory_ring_patience_ns(uint32_t there, uint32_t here);
 
 /* Into the next slot; false where the ring is full. */
 bool memory_ring_put(struct memory_ring *r, const void *bytes, uint32_t n);
-
-bool memory_ring_has_packet(const struct memory_ring *r);
 
 /* True when there is a packet; sleeps at most `ms` for it, less when a signal comes. */
 bool memory_ring_await(struct memory_ring *r, struct memory_wait *w, int ms);

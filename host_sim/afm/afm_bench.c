@@ -124,8 +124,10 @@ static void run_stage(void *stage, double *value, uint32_t n)
     stage_run_many(stage, value, n);
 }
 
-const char *afm_bench_stages(const struct scene *scene, const double *si, struct station_config *c,
-                             struct stage *piezo, struct stage *sensor)
+/* The scene's stages stand where the microscope has a place for them: piezo and sensor, with memory of the
+ * caller. NULL, or the reason of a refusal. */
+static const char *read_stages(const struct scene *scene, const double *si, struct station_config *c,
+                               struct stage *piezo, struct stage *sensor)
 {
     for (int i = 0; i < SCENE_STAGES; i++) {
         const double *own = scene->stage[i];
@@ -150,7 +152,7 @@ int afm_bench_start(struct afm_bench *b)
     struct station_config c = {
         .si = b->si, .tick_s = b->tick_s, .number = b->number, .grid = b->count ? &b->grid : NULL};
     int which;
-    const char *why = afm_bench_stages(&b->scene, b->si, &c, &b->piezo, &b->sensor);
+    const char *why = read_stages(&b->scene, b->si, &c, &b->piezo, &b->sensor);
     if (why)
         return options_misuse(b->usage, "%s", why);
     why = station_check(&c, &which);

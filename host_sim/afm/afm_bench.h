@@ -28,11 +28,6 @@ int afm_bench_read(struct afm_bench *b);
 /* The surface of --surface: a file of Gwyddion Simple Field. */
 int afm_bench_read_surface(struct afm_bench *b);
 
-/* The scene's stages stand where the microscope has a place for them: piezo and sensor, with memory of the
- * caller. NULL, or the reason of a refusal. */
-const char *afm_bench_stages(const struct scene *scene, const double *si, struct station_config *c,
-                             struct stage *piezo, struct stage *sensor);
-
 /* The station, ready to run. */
 int afm_bench_start(struct afm_bench *b);
 

@@ -43,7 +43,8 @@ double choose_frames(const struct scene *s)
     return floor(ticks_in(s->over * s->dilation, s->frame_s));
 }
 
-int choose_looks(const struct scene *s)
+/* Looks at the observable in a frame. A lever's contacts are short: it has 24 looks a period. */
+static int looks_of(const struct scene *s)
 {
     if (!s->model->modal_form)
         return CHOOSE_LOOKS;
@@ -240,7 +241,7 @@ static const char *run(const struct scene *s, const struct choose_sweep *w, doub
     *r = (struct choose_record){.low = HUGE_VAL, .high = -HUGE_VAL, .reach = {HUGE_VAL, -HUGE_VAL}};
     if (n < 2.0)
         return "fewer than two frames in the time asked; ask for a longer time or give a shorter frame";
-    r->looks = choose_looks(s);
+    r->looks = looks_of(s);
     if (n > frames_max)
         return "more than 2e6 frames in the time asked; ask for a shorter time or give a longer frame";
     if (n * r->looks > lever_looks_max)

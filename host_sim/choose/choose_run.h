@@ -4,9 +4,6 @@
 
 #include "host_sim/choose/choose.h"
 
-/* Looks at the observable in a frame. A lever's contacts are short: it has 24 looks a period. */
-int choose_looks(const struct scene *s);
-
 /* Frames in the time asked. */
 double choose_frames(const struct scene *s);
 

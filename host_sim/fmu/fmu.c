@@ -85,7 +85,8 @@ static char *read_scene(const char *resources, char *why, size_t size)
     return NULL;
 }
 
-bool fmu_open(struct fmu *f)
+/* The plant as its scene begins, the run as it is after instantiation. */
+static bool open_plant(struct fmu *f)
 {
     struct contactplant_error error;
     f->plant = contactplant_open(&f->memory, sizeof f->memory, f->scene, &error);
@@ -135,7 +136,7 @@ fmi3Instance FMI3(InstantiateCoSimulation)(fmi3String name, fmi3String token, fm
         (void)fmu_fail(f, "%s", why);
     else if (n_intermediate > 0)
         (void)fmu_fail(f, "this FMU has no intermediate variables: ask for none");
-    else if (is_token(f, token) && fmu_open(f) && (!event_mode || !early_return || take_memory(f)))
+    else if (is_token(f, token) && open_plant(f) && (!event_mode || !early_return || take_memory(f)))
         return f;
     FMI3(FreeInstance)(f);
     return NULL;
@@ -154,7 +155,7 @@ void FMI3(FreeInstance)(fmi3Instance instance)
 fmi3Status FMI3(Reset)(fmi3Instance instance)
 {
     struct fmu *f = fmu_begin(instance, "fmi3Reset", FMU_ANY);
-    return f && fmu_open(f) ? fmi3OK : fmi3Error;
+    return f && open_plant(f) ? fmi3OK : fmi3Error;
 }
 
 /* ---- modes ---- */

@@ -46,7 +46,4 @@ struct fmu *fmu_begin(fmi3Instance instance, const char *function, int modes);
 /* Says why in the log; fmi3Error. */
 fmi3Status fmu_fail(const struct fmu *f, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* The plant as its scene begins, the run as it is after instantiation. */
-bool fmu_open(struct fmu *f);
-
 #endif

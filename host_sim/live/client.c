@@ -84,7 +84,10 @@ static double cut(const struct field *f, double value)
     return fmod(value, (double)(UINT64_C(1) << f->bits));
 }
 
-bool client_send(struct client *c, unsigned kind, int n, const double *value)
+/* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than
+ * their field are cut to its bits. False when the bus had no room. It goes out at once; in lockstep with the
+ * next wait. */
+static bool send_command(struct client *c, unsigned kind, int n, const double *value)
 {
     const struct message_layout *layout = wire_layout(kind);
     struct message m = {.kind = (uint8_t)kind, .counter = c->counter[kind]};
@@ -116,7 +119,7 @@ bool client_in_session(const struct client *c)
 bool client_enable(struct client *c, bool on)
 {
     const double value[] = {on ? 1.0 : 0.0, (double)c->latest.frame};
-    return client_send(c, WIRE_ENABLE, 2, value);
+    return send_command(c, WIRE_ENABLE, 2, value);
 }
 
 bool client_control(struct client *c, enum control_operation operation, uint64_t argument)
@@ -125,7 +128,7 @@ bool client_control(struct client *c, enum control_operation operation, uint64_t
     unsigned bits = wire_layout(WIRE_CONTROL)->field[CONTROL_COMPLEMENT].bits;
     const double value[] = {(double)operation, (double)(~(unsigned)operation & ((1u << bits) - 1u)),
                             (double)(argument & UINT32_MAX)};
-    return client_send(c, WIRE_CONTROL, 3, value);
+    return send_command(c, WIRE_CONTROL, 3, value);
 }
 
 bool client_arm(struct client *c, int channel, double amplitude, double frequency_Hz, double phase_rad,
@@ -142,7 +145,7 @@ bool client_arm_fields(struct client *c, int channel, const double *field)
     for (int i = 0; i < ARM_FIELDS; i++) {
         const double value[] = {(double)i, field[i]};
         if (!isnan(field[i]))
-            sent = client_send(c, WIRE_ARM + (unsigned)channel, 2, value) && sent;
+            sent = send_command(c, WIRE_ARM + (unsigned)channel, 2, value) && sent;
     }
     return sent;
 }
@@ -150,13 +153,13 @@ bool client_arm_fields(struct client *c, int channel, const double *field)
 bool client_fire(struct client *c, unsigned channels, bool parameters, uint64_t tick, double fraction)
 {
     const double value[] = {(double)channels, parameters ? 1.0 : 0.0, fraction, (double)(tick & UINT32_MAX)};
-    return client_send(c, WIRE_FIRE, 4, value);
+    return send_command(c, WIRE_FIRE, 4, value);
 }
 
 bool client_stream(struct client *c, int channel, uint64_t frame, double sample)
 {
     const double value[] = {(double)(frame & UINT32_MAX), sample};
-    return client_send(c, WIRE_STREAM + (unsigned)channel, 2, value);
+    return send_command(c, WIRE_STREAM + (unsigned)channel, 2, value);
 }
 
 bool client_set(struct client *c, int n, const unsigned *index, const double *value, enum commit_when when)
@@ -167,10 +170,10 @@ bool client_set(struct client *c, int n, const unsigned *index, const double *va
     for (int i = 0; i < n; i++) {
         const double write[] = {(double)index[i], value[i]};
         staged_put(&set, index[i], value[i]);
-        sent = client_send(c, WIRE_PARAM_WRITE, 2, write) && sent;
+        sent = send_command(c, WIRE_PARAM_WRITE, 2, write) && sent;
     }
     const double commit[] = {(double)staged_count(&set), (double)when, (double)staged_crc(&set)};
-    return client_send(c, WIRE_PARAM_COMMIT, 3, commit) && sent;
+    return send_command(c, WIRE_PARAM_COMMIT, 3, commit) && sent;
 }
 
 void client_expect(struct client *c, unsigned kind)
@@ -181,13 +184,13 @@ void client_expect(struct client *c, unsigned kind)
 bool client_read(struct client *c, unsigned index)
 {
     const double value[] = {(double)index};
-    return client_send(c, WIRE_PARAM_READ, 1, value);
+    return send_command(c, WIRE_PARAM_READ, 1, value);
 }
 
 bool client_capture(struct client *c, enum capture_operation operation, uint32_t first, uint32_t count)
 {
     const double value[] = {(double)operation, (double)first, (double)count};
-    return client_send(c, WIRE_CAPTURE, 3, value);
+    return send_command(c, WIRE_CAPTURE, 3, value);
 }
 
 static double clock_s(const struct client *c)

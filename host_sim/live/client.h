@@ -97,10 +97,8 @@ int client_poll(struct client *c);
 /* Takes a frame that came in another way. */
 void client_take(struct client *c, const struct frame *f);
 
-/* One command: value[] in the order of its layout without SESSION, n of them. Integers that are longer than
- * their field are cut to its bits. False when the bus had no room. It goes out at once; in lockstep with the
- * next wait. */
-bool client_send(struct client *c, unsigned kind, int n, const double *value);
+/* The commands below go out at once; in lockstep with the next wait. Integers that are longer than their
+ * field are cut to its bits. False when the bus had no room. */
 
 /* Heartbeat: ENABLE (or its withdrawal) that echoes the
  * last frame seen. Call it well within timeout_frames. */

@@ -10,15 +10,6 @@
 #include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 
-static const struct option compare_options[] = {
-    {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
-     .initial = NULL},
-    {"interface", "NAME",
-     "of logs of several interfaces, the one that the plant is on; given twice: of each log", OPTION_TEXT,
-     .many = true},
-    {.name = NULL},
-};
-
 static const struct usage compare_usage = {
     .name = "compare",
     .words = "LOG LOG [SIGNAL=TOLERANCE]...",
@@ -34,7 +25,7 @@ static const struct usage compare_usage = {
     .min_words = 2,
     .words_read = 2,
     .max_words = 2 + DECODE_SIGNALS,
-    .table = {compare_options, scene_options},
+    .table = {decode_logs_options, scene_options},
 };
 
 /* ---- two logs ---- */

@@ -13,6 +13,15 @@ const struct option decode_log_options[] = {
     {.name = NULL},
 };
 
+const struct option decode_logs_options[] = {
+    {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
+     .initial = NULL},
+    {"interface", "NAME",
+     "of logs of several interfaces, the one that the plant is on; given twice: of each log", OPTION_TEXT,
+     .many = true},
+    {.name = NULL},
+};
+
 int decode_signals(const struct model *m)
 {
     return DECODE_OUTPUTS + m->n_inputs;

@@ -14,8 +14,8 @@ enum { DECODE_NAME = 64 };
     "LOG is a log of contactplant run --log, of contactplant test --log, or of candump -L. Lines that no\n"  \
     "plant sends are passed over and counted on stderr. A log of another plant is refused.\n"
 
-/* --interface of the commands that read one. */
-extern const struct option decode_log_options[];
+/* --interface of the commands that read one; and --model and --interface of those that read several. */
+extern const struct option decode_log_options[], decode_logs_options[];
 
 /* Signal i of a row: outputs that the bus carries, then command_INPUT. */
 int decode_signals(const struct model *m);

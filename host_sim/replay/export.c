@@ -18,11 +18,6 @@ enum { LOGS = 2, COMMENT = 160, NAME = LOG_INTERFACE + 2 };
 static const struct option export_options[] = {
     {"out", "FILE", "the packets (standard output, for a pipe into wireshark -k -i -)", OPTION_WRITES,
      .initial = NULL},
-    {"model", "NAME", "the plant's model or scene, as given to contactplant run (hertz_rig)", OPTION_TEXT,
-     .initial = NULL},
-    {"interface", "NAME",
-     "of logs of several interfaces, the one that the plant is on; given twice: of each log", OPTION_TEXT,
-     .many = true},
     {.name = NULL},
 };
 
@@ -41,7 +36,7 @@ static const struct usage export_usage = {
     .min_words = 1,
     .words_read = 2,
     .max_words = LOGS,
-    .table = {export_options, scene_options},
+    .table = {export_options, decode_logs_options, scene_options},
 };
 
 struct source {

@@ -102,13 +102,12 @@ static void get_own(const struct scene *s, const struct own_key *o, int input, s
     snprintf(k->name, sizeof k->name, "%s", o->name);
 }
 
-/* N/m^1.5 as names write it: N_per_m1_5. */
-static void spell(const char *unit, char text[SCENE_KEY_NAME])
+void scene_keys_spell(const char *unit, char *text, size_t size)
 {
     size_t n = 0;
-    for (; *unit && n + 6 < SCENE_KEY_NAME; unit++) {
+    for (; *unit && n + 6 < size; unit++) {
         if (*unit == '/')
-            n += (size_t)snprintf(text + n, SCENE_KEY_NAME - n, "_per_");
+            n += (size_t)snprintf(text + n, size - n, "_per_");
         else if (*unit != '^')
             text[n++] = *unit == ' ' || *unit == '.' ? '_' : *unit;
     }
@@ -125,7 +124,7 @@ void scene_keys_parameter(const struct parameter *p, size_t offset, struct scene
                             .min = p->min,
                             .max = p->max,
                             .offset = offset};
-    spell(p->unit, suffix);
+    scene_keys_spell(p->unit, suffix, sizeof suffix);
     size_t length = strlen(p->name), n = strlen(suffix);
     bool ends = length > n + 1 && p->name[length - n - 1] == '_' && !strcmp(p->name + length - n, suffix);
     snprintf(k->name, sizeof k->name, "%.*s", (int)(ends ? length - n - 1 : length), p->name);

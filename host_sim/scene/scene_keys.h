@@ -62,6 +62,9 @@ struct scene_key {
 bool scene_keys_get(const struct scene *s, enum scene_section section, int input, int index,
                     struct scene_key *k);
 
+/* A unit as names write it: N_per_m1_5 of N/m^1.5. */
+void scene_keys_spell(const char *unit, char *text, size_t size);
+
 /* The key of a parameter or setting, whose value is at this offset. */
 void scene_keys_parameter(const struct parameter *p, size_t offset, struct scene_key *k);
 

@@ -10,9 +10,10 @@ enum { WORD = 64, ADVICE = 2048 };
 
 void scene_range_spell(char *text, size_t size, const char *name, const char *unit)
 {
-    size_t n = (size_t)snprintf(text, size, "%s%s", name, *unit && strcmp(unit, "1") ? "_" : "");
-    for (const char *c = strcmp(unit, "1") ? unit : ""; *c && n + 6 < size; c++)
-        n += (size_t)snprintf(text + n, size - n, *c == '/' ? "_per_" : *c == ' ' ? "_" : "%c", *c);
+    bool has_unit = *unit && strcmp(unit, "1");
+    size_t n = (size_t)snprintf(text, size, "%s%s", name, has_unit ? "_" : "");
+    if (has_unit && n < size)
+        scene_keys_spell(unit, text + n, size - n);
 }
 
 static bool is_key(const struct scene_key *k, const char *name, size_t n)
