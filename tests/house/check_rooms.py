@@ -24,7 +24,7 @@ host_sim/simulate host_sim/fmu host_sim/scope
 host_sim/run host_sim/demo
 host_sim/list host_sim/main
 """
-HEADERLESS = 28  # files; may only fall
+HEADERLESS = 15  # files beside the commands; may only fall
 FLOOR = {room: i for i, line in enumerate(FLOORS.strip().splitlines()) for room in line.split()}
 INCLUDE = re.compile(r'#include "((?:models|firmware|hal|host_sim)/[^"]+)"')
 
@@ -48,15 +48,14 @@ def breaches(path):
 
 files = sorted(f for top in ("models", "firmware", "hal", "host_sim") for f in pathlib.Path(top).rglob("*.[ch]"))
 bad = [b for f in files for b in breaches(f)]
-alone = [f for f in files if f.suffix == ".c" and not f.with_suffix(".h").exists()]
-commands = [f for f in alone if re.search(r"^int cmd_", f.read_text(), re.M)]
+bare = [f for f in files if f.suffix == ".c" and not f.with_suffix(".h").exists()]
+alone = [f for f in bare if not re.search(r"^int cmd_", f.read_text(), re.M)]
 for b in bad:
     print(f"FAIL  {b}")
 if len(alone) > HEADERLESS:
-    print(f"FAIL  {len(alone)} .c files have no header of their own, {HEADERLESS} may: give yours one, or fold it into its neighbour:",
-          *[f for f in alone if f not in commands])
+    print(f"FAIL  {len(alone)} .c files have no header of their own, {HEADERLESS} may: give yours one, or fold it into its neighbour:", *alone)
 else:
-    print(f"ok    {len(alone)} .c files without a header of their own, {len(commands)} of them commands (at most {HEADERLESS} in all)")
+    print(f"ok    {len(alone)} .c files without a header of their own, at most {HEADERLESS}; and {len(bare) - len(alone)} commands")
 if not bad:
     print(f"ok    {len(FLOOR)} rooms on {max(FLOOR.values()) + 1} floors include only rooms below them ({len(files)} files)")
 sys.exit(bool(bad) or len(alone) > HEADERLESS)
