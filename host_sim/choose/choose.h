@@ -31,7 +31,7 @@ enum {
     CHOOSE_LOOKS = 3,      /* at the observable in a frame: inside, and at its end; a lever has more */
     CHOOSE_TEXT = 240,     /* characters of a sentence */
     CHOOSE_SPELLS = 8,     /* spells that the time asked is cut into, to see errors grow */
-    CHOOSE_TWINS = 8,      /* full runs, for the scatter of statistics */
+    CHOOSE_NEIGHBOURS = 8, /* full runs, for the scatter of statistics */
     CHOOSE_CONDITIONS = 8  /* most conditions of a certificate */
 };
 
@@ -117,7 +117,7 @@ void choose_facts_of(const struct choose_candidate *candidate, int n, const stru
                      struct choose_facts *f);
 
 /* A method on a candidate: its coarsest step that meets the tolerance, or why none does. */
-struct choose_trial {
+struct choose_attempt {
     bool met;
     struct scene scene;           /* as it was run last */
     struct scene coarser;         /* the last whose error was too large; no model: none */
@@ -137,8 +137,8 @@ struct choose_verdict {
     double predicted;          /* error of the model, before anything is run; negative: not predicted */
     double error;              /* the model's error by a tight method; negative: not run */
     char refused[CHOOSE_TEXT]; /* the model as such; empty: it meets the tolerance */
-    struct choose_trial trial[CHOOSE_METHODS];
-    int best; /* the best of its trials, -1: none */
+    struct choose_attempt attempt[CHOOSE_METHODS];
+    int best; /* the best of its attempts, -1: none */
 };
 
 /* Who sees a condition when it comes. A plant has one watch: the nearest condition that the bus does not

@@ -23,7 +23,7 @@ static void scale_drives(struct scene *s, double times)
  * many times as large. */
 static double error_at(const struct choose_certificate *c, double times, double reach[2])
 {
-    struct scene full = c->scene, candidate = c->verdict[c->choice].trial[c->method].scene;
+    struct scene full = c->scene, candidate = c->verdict[c->choice].attempt[c->method].scene;
     struct choose_record truth = {0}, r = {0};
     char why[SCENE_CHECK_REASON];
     double error = HUGE_VAL;
@@ -41,7 +41,7 @@ static double error_at(const struct choose_certificate *c, double times, double 
 
 double choose_beyond(const struct choose_certificate *c, double reach[2])
 {
-    const struct choose_trial *t = &c->verdict[c->choice].trial[c->method];
+    const struct choose_attempt *t = &c->verdict[c->choice].attempt[c->method];
     double times = 1.0, next = drive_step, found[2];
     reach[0] = t->reach[0];
     reach[1] = t->reach[1];

@@ -37,7 +37,7 @@ static void find_work(const struct search *o, const struct scene *s, struct choo
     w->switches = s->model->n_contacts > 0 ? o->c->switches / (choose_frames(s) * frame_s(s)) : 0.0;
 }
 
-void choose_price(const struct search *o, struct choose_trial *t, int method)
+void choose_price(const struct search *o, struct choose_attempt *t, int method)
 {
     struct choose_work w;
     find_work(o, &t->scene, &w);
@@ -46,18 +46,18 @@ void choose_price(const struct search *o, struct choose_trial *t, int method)
         t->cost[i] = choose_cost_step(&w, method, i);
 }
 
-double choose_frame_cost(const struct choose_trial *t, int machine)
+double choose_frame_cost(const struct choose_attempt *t, int machine)
 {
     return t->cost[machine] * t->scene.substeps;
 }
 
-double choose_rank(const struct choose_certificate *c, const struct choose_trial *t, int method)
+double choose_rank(const struct choose_certificate *c, const struct choose_attempt *t, int method)
 {
     double s = choose_time_s(t, method, c->machine);
     return s > 0.0 ? s : choose_frame_cost(t, c->machine);
 }
 
-double choose_time_s(const struct choose_trial *t, int method, int machine)
+double choose_time_s(const struct choose_attempt *t, int method, int machine)
 {
     return choose_frame_cost(t, machine) * choose_machine[machine].ns[method] * 1e-9;
 }
@@ -82,14 +82,14 @@ static double worth_trying(const struct search *o, const struct scene *s)
     return s->model->eigenfrequency(at.p) / at.scale.time_s * frame_s(s) / angle;
 }
 
-static bool balances(const struct choose_trial *t)
+static bool balances(const struct choose_attempt *t)
 {
     return t->imbalance <= setting_table[SET_LEDGER_ALARM].initial;
 }
 
 /* After an error that is small enough, and an energy balance that is not. False when there is no finer
  * step. */
-static bool rebalance(struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
+static bool rebalance(struct choose_attempt *t, int method, char why[SCENE_CHECK_REASON])
 {
     struct scene *s = &t->scene;
     if (choose_method[method] == &taylor)
@@ -98,7 +98,7 @@ static bool rebalance(struct choose_trial *t, int method, char why[SCENE_CHECK_R
 }
 
 /* After an error that is too large: the next step or tolerance; false when there is none. */
-static bool refine(const struct search *o, struct choose_trial *t, int method, char why[SCENE_CHECK_REASON])
+static bool refine(const struct search *o, struct choose_attempt *t, int method, char why[SCENE_CHECK_REASON])
 {
     struct scene *s = &t->scene;
     if (choose_meets(o, t->error))
@@ -128,7 +128,7 @@ static double ticks(const struct scene *s)
 }
 
 /* One run; true when it meets the tolerance, and the energy balance of the bus stays quiet. */
-static bool attempt(struct search *o, struct choose_trial *t, int method)
+static bool attempt(struct search *o, struct choose_attempt *t, int method)
 {
     struct choose_record r;
     const char *why = choose_run(&t->scene, &o->c->sweep, 0.0, &r);
@@ -145,11 +145,11 @@ static bool attempt(struct search *o, struct choose_trial *t, int method)
 }
 
 /* Halves the range between a step that is too long and one that does. */
-static void halve(struct search *o, struct choose_trial *t, struct choose_trial *failed, int method)
+static void halve(struct search *o, struct choose_attempt *t, struct choose_attempt *failed, int method)
 {
     char why[SCENE_CHECK_REASON];
     while (failed->error >= 0.0 && t->scene.substeps > 1.1 * failed->scene.substeps) {
-        struct choose_trial middle = *t;
+        struct choose_attempt middle = *t;
         double n = floor(0.5 * (failed->scene.substeps + t->scene.substeps));
         if (n <= failed->scene.substeps || choose_allow(&middle.scene, n, why) >= (int)t->scene.substeps)
             return;
@@ -167,12 +167,12 @@ static void halve(struct search *o, struct choose_trial *t, struct choose_trial 
 
 /* Series of other tolerances near by. A looser one may do; a tighter one may cost less, in few long
  * series. */
-static void trim(struct search *o, struct choose_trial *t, int method)
+static void trim(struct search *o, struct choose_attempt *t, int method)
 {
     static const double times[] = {5.6, 3.2, 1.8, 0.56, 0.32, 0.1};
     double met = t->scene.tolerance;
     for (int i = 0; i < (int)(sizeof times / sizeof times[0]); i++) {
-        struct choose_trial other = *t;
+        struct choose_attempt other = *t;
         other.scene.tolerance = times[i] * met;
         if (other.scene.tolerance < tol_min || other.scene.tolerance > tol_max)
             continue;
@@ -182,7 +182,7 @@ static void trim(struct search *o, struct choose_trial *t, int method)
 }
 
 /* Why not coarser, or why not at all; what failed last has error >= 0. */
-static void explain(const struct search *o, struct choose_trial *t, struct choose_trial *failed,
+static void explain(const struct search *o, struct choose_attempt *t, struct choose_attempt *failed,
                     const char *why)
 {
     if (t->met && failed->error >= 0.0 && choose_meets(o, failed->error))
@@ -224,7 +224,7 @@ static bool begin_steps(const struct search *o, struct scene *s, const struct me
 /* The coarsest step of a method that meets the tolerance, unless it costs more than `most`. */
 void choose_climb(struct search *o, struct choose_verdict *v, int method, double most)
 {
-    struct choose_trial *t = &v->trial[method], failed = {.error = -1.0};
+    struct choose_attempt *t = &v->attempt[method], failed = {.error = -1.0};
     char why[SCENE_CHECK_REASON] = "";
     const struct method *m = choose_method[method];
     t->scene = v->candidate.scene;

@@ -10,8 +10,8 @@
 
 enum { TITLE = 160 };
 
-/* True for a trial that was run: it has an error and a cost. */
-static bool was_run(const struct choose_verdict *v, const struct choose_trial *t)
+/* True for an attempt that was run: it has an error and a cost. */
+static bool was_run(const struct choose_verdict *v, const struct choose_attempt *t)
 {
     return !*v->refused && t->error >= 0.0 && isfinite(t->error);
 }
@@ -42,7 +42,7 @@ static void put_number(struct html *h, bool known, int digits, double value)
 static void put_row(struct html *h, const struct choose_certificate *c, int i, int k)
 {
     const struct choose_verdict *v = &c->verdict[i];
-    const struct choose_trial *t = &v->trial[k];
+    const struct choose_attempt *t = &v->attempt[k];
     bool run = was_run(v, t), is_choice = i == c->choice && k == c->method;
     double time_s = run ? choose_time_s(t, k, c->machine) : 0.0;
     html_row(h, false);
@@ -83,7 +83,7 @@ static void put_table(struct html *h, const struct choose_certificate *c)
     }
 }
 
-/* Each model's trials as dots, the tolerance as a line from the least cost to the greatest. */
+/* Each model's attempts as dots, the tolerance as a line from the least cost to the greatest. */
 static void put_chart(struct html *h, const struct choose_certificate *c)
 {
     double cost[CHOOSE_METHODS], error[CHOOSE_METHODS], ends[2] = {(double)INFINITY, 0.0};
@@ -93,10 +93,10 @@ static void put_chart(struct html *h, const struct choose_certificate *c)
         const struct choose_verdict *v = &c->verdict[i];
         size_t n = 0;
         for (int k = 0; k < CHOOSE_METHODS; k++) {
-            if (!was_run(v, &v->trial[k]))
+            if (!was_run(v, &v->attempt[k]))
                 continue;
-            cost[n] = choose_frame_cost(&v->trial[k], c->machine);
-            error[n] = v->trial[k].error;
+            cost[n] = choose_frame_cost(&v->attempt[k], c->machine);
+            error[n] = v->attempt[k].error;
             ends[0] = fmin(ends[0], cost[n]);
             ends[1] = fmax(ends[1], cost[n++]);
         }
@@ -108,7 +108,7 @@ static void put_chart(struct html *h, const struct choose_certificate *c)
     if (ends[1] > 0.0)
         html_line(h, HTML_LINE, "tolerance", 2, ends, asked);
     if (c->choice >= 0)
-        html_marker(h, choose_frame_cost(&c->verdict[c->choice].trial[c->method], c->machine), "%s",
+        html_marker(h, choose_frame_cost(&c->verdict[c->choice].attempt[c->method], c->machine), "%s",
                     c->met ? "chosen" : "closest");
 }
 

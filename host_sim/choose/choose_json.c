@@ -13,7 +13,7 @@ static double known(bool is_known, double value)
 }
 
 /* Members of an object that is open. */
-static void put_trial(struct json *j, const struct choose_trial *t, int method)
+static void put_attempt(struct json *j, const struct choose_attempt *t, int method)
 {
     bool run = t->error >= 0.0;
     json_put(j, "'method': %s, 'met': %b, 'substeps': %e, 'tolerance': %e", choose_method[method]->name,
@@ -51,11 +51,11 @@ static void put_name(struct json *j, const struct choose_certificate *c, const s
 static void put_choice(struct json *j, const struct choose_certificate *c)
 {
     const struct choose_verdict *v = &c->verdict[c->choice];
-    const struct choose_trial *t = &v->trial[c->method];
+    const struct choose_attempt *t = &v->attempt[c->method];
     json_item(j, "\n ");
     put_name(j, c, &v->candidate);
     json_put(j, ", 'choice': {");
-    put_trial(j, t, c->method);
+    put_attempt(j, t, c->method);
     json_put(j, "},\n 'instructions_as_given': %e, 'measured_ns_a_step': %e, 'cost': [", c->given_cost,
              t->ns);
     for (int i = 0; i < CHOOSE_MACHINES; i++) {
@@ -94,7 +94,7 @@ static void put_candidate(struct json *j, const struct choose_certificate *c, co
         if (!choose_takes(v->candidate.scene.model, k))
             continue;
         json_item(j, "\n   {");
-        put_trial(j, &v->trial[k], k);
+        put_attempt(j, &v->attempt[k], k);
         json_put(j, "}");
     }
     json_put(j, "]}");

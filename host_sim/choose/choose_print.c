@@ -13,9 +13,9 @@
 enum { HEAD = 11, NAME = 15 /* columns of a row's name, and of a method's within a row */ };
 #define ROW(head, ...) paragraph_print(out, HEAD, head, __VA_ARGS__)
 
-static const struct choose_trial *chosen(const struct choose_certificate *c)
+static const struct choose_attempt *chosen(const struct choose_certificate *c)
 {
-    return &c->verdict[c->choice].trial[c->method];
+    return &c->verdict[c->choice].attempt[c->method];
 }
 
 static const char *plural(double n)
@@ -73,7 +73,7 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
 
 static void print_choice(FILE *out, const struct choose_certificate *c)
 {
-    const struct choose_trial *t = chosen(c);
+    const struct choose_attempt *t = chosen(c);
     const struct choose_verdict *v = &c->verdict[c->choice];
     char tolerance[64] = "", predicted[64] = "";
     if (method_find(t->scene.method) == &taylor)
@@ -97,13 +97,13 @@ static void print_choice(FILE *out, const struct choose_certificate *c)
 
 static void print_cost(FILE *out, const struct choose_certificate *c)
 {
-    const struct choose_trial *t = chosen(c);
+    const struct choose_attempt *t = chosen(c);
     const struct choose_verdict *full = &c->verdict[c->n_candidates - 1];
     double cost = choose_frame_cost(t, c->machine);
     char less[120] = "";
     if (full->best >= 0 && c->choice < c->n_candidates - 1)
         snprintf(less, sizeof less, ", and the full model at its best %.3g times",
-                 choose_frame_cost(&full->trial[full->best], c->machine) / cost);
+                 choose_frame_cost(&full->attempt[full->best], c->machine) / cost);
     ROW("COST",
         "%.3g us per frame on %s, %.3g %% of the %.3g us allowed. The scene as given takes %.3g times as "
         "many "
@@ -132,10 +132,10 @@ static void print_conditions(FILE *out, const struct choose_certificate *c)
             c->condition[i].factor, sight[c->condition[i].guard]);
 }
 
-static void print_trials(FILE *out, const struct choose_certificate *c, int i)
+static void print_attempts(FILE *out, const struct choose_certificate *c, int i)
 {
     for (int k = 0; k < CHOOSE_METHODS; k++) {
-        const struct choose_trial *t = &c->verdict[i].trial[k];
+        const struct choose_attempt *t = &c->verdict[i].attempt[k];
         char head[HEAD + NAME + 1], error[80] = "";
         if (!choose_takes(c->verdict[i].candidate.scene.model, k))
             continue;
@@ -163,7 +163,7 @@ static void print_models(FILE *out, const struct choose_certificate *c)
         else
             ROW(i ? "" : "MODELS", "%s: the error of the model itself is %.2g.", v->candidate.name, v->error);
         if (!*v->refused)
-            print_trials(out, c, i);
+            print_attempts(out, c, i);
     }
 }
 

@@ -18,7 +18,7 @@ static const double frames_max = 2e6, lever_looks_max = 1e7;
 static const double floor_of_span = 1e-6; /* in the model's unit */
 
 /* Frames from one look at the energy balance to the next, as the bus has it. */
-enum { AUDIT = 100 };
+enum { BALANCE_EVERY = 100 };
 
 /* Where a frame is looked at besides its end, in TICK_FRACTIONS. These are instants of plant time at any
  * number of substeps. A drive whose period is a frame or half of one does not always show the same phase
@@ -219,7 +219,7 @@ static void go(struct runner *o, const struct scene *s, const struct choose_swee
             sweep(o, s, w, i, r->wanted);
         if (!go_frame(o, s, r))
             r->trouble = "the motion escapes";
-        if (r->n % AUDIT == 0 || r->n == r->wanted)
+        if (r->n % BALANCE_EVERY == 0 || r->n == r->wanted)
             r->imbalance = fmax(r->imbalance, plant_imbalance(&o->plant, &residual_J));
         if (o->plant.counts.budget || o->plant.counts.residual)
             r->trouble = "a contact switch was not located";

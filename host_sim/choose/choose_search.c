@@ -55,7 +55,7 @@ static void judge(struct search *o, struct choose_verdict *v)
     v->best = -1;
     v->predicted = v->error = -1.0;
     for (int i = 0; i < CHOOSE_METHODS; i++)
-        v->trial[i] = (struct choose_trial){.error = -1.0, .why = "not tried"};
+        v->attempt[i] = (struct choose_attempt){.error = -1.0, .why = "not tried"};
     choose_refuse(o, v);
     if (*v->refused || !choose_tighten(&s, CHOOSE_LOOSE, 1.0, reason))
         return;
@@ -70,11 +70,11 @@ static void judge(struct search *o, struct choose_verdict *v)
         if (!choose_takes(v->candidate.scene.model, i))
             continue;
         choose_climb(o, v, i, most);
-        if (v->trial[i].met && choose_rank(o->c, &v->trial[i], i) < most) {
-            most = choose_rank(o->c, &v->trial[i], i);
+        if (v->attempt[i].met && choose_rank(o->c, &v->attempt[i], i) < most) {
+            most = choose_rank(o->c, &v->attempt[i], i);
             v->best = i;
         }
-        tried = v->trial[i].error >= 0.0;
+        tried = v->attempt[i].error >= 0.0;
     }
 }
 
@@ -86,15 +86,15 @@ static void pick(struct choose_certificate *c)
     c->choice = -1;
     for (int i = 0; i < c->n_candidates; i++) {
         const struct choose_verdict *v = &c->verdict[i];
-        if (v->best >= 0 && choose_rank(c, &v->trial[v->best], v->best) < least) {
-            least = choose_rank(c, &v->trial[v->best], v->best);
+        if (v->best >= 0 && choose_rank(c, &v->attempt[v->best], v->best) < least) {
+            least = choose_rank(c, &v->attempt[v->best], v->best);
             c->choice = i;
             c->method = v->best;
             c->met = true;
         }
         for (int k = 0; k < CHOOSE_METHODS && !c->met; k++) {
-            if (v->trial[k].error >= 0.0 && v->trial[k].error < nearest) {
-                nearest = v->trial[k].error;
+            if (v->attempt[k].error >= 0.0 && v->attempt[k].error < nearest) {
+                nearest = v->attempt[k].error;
                 c->choice = i;
                 c->method = k;
             }
@@ -102,14 +102,14 @@ static void pick(struct choose_certificate *c)
     }
     if (c->choice < 0)
         return;
-    double time_s = choose_time_s(&c->verdict[c->choice].trial[c->method], c->method, c->machine);
+    double time_s = choose_time_s(&c->verdict[c->choice].attempt[c->method], c->method, c->machine);
     c->in_time = time_s <= c->budget_s;
 }
 
 /* The cost of a frame as the scene is given, with auto resolved. */
 static double given(const struct search *o)
 {
-    struct choose_trial t = {.scene = o->c->scene};
+    struct choose_attempt t = {.scene = o->c->scene};
     struct choose_prepared at;
     const struct method *m = method_find(t.scene.method);
     choose_prepare(&t.scene, &at);

@@ -96,10 +96,10 @@ static void next_seed(struct scene *s)
 static const char *measure_scatter(struct search *o, struct scene *s)
 {
     struct choose_certificate *c = o->c;
-    double all[CHOOSE_TWINS][STATISTICS];
+    double all[CHOOSE_NEIGHBOURS][STATISTICS];
     const char *why = NULL;
     choose_statistics(&o->truth, c->span, all[0]);
-    for (int i = 1; i < CHOOSE_TWINS && !why; i++) {
+    for (int i = 1; i < CHOOSE_NEIGHBOURS && !why; i++) {
         struct choose_record r;
         if (c->heat)
             next_seed(s);
@@ -112,12 +112,12 @@ static const char *measure_scatter(struct search *o, struct scene *s)
     }
     for (int k = 0; k < STATISTICS && !why; k++) {
         double sum = 0.0, squares = 0.0;
-        for (int i = 0; i < CHOOSE_TWINS; i++)
+        for (int i = 0; i < CHOOSE_NEIGHBOURS; i++)
             sum += all[i][k];
-        c->mean[k] = sum / CHOOSE_TWINS;
-        for (int i = 0; i < CHOOSE_TWINS; i++)
+        c->mean[k] = sum / CHOOSE_NEIGHBOURS;
+        for (int i = 0; i < CHOOSE_NEIGHBOURS; i++)
             squares += (all[i][k] - c->mean[k]) * (all[i][k] - c->mean[k]);
-        c->spread[k] = 3.0 * sqrt(squares / (CHOOSE_TWINS - 1));
+        c->spread[k] = 3.0 * sqrt(squares / (CHOOSE_NEIGHBOURS - 1));
     }
     return why;
 }

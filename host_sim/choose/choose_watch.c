@@ -22,7 +22,7 @@ static const double time_far = 1e6; /* times the time asked: no growth at all */
 struct watched {
     struct choose_certificate *c;
     const struct choose_verdict *v;
-    const struct choose_trial *t;
+    const struct choose_attempt *t;
     const struct model *m;
     bool dimensionless, series, touches;
     struct choose_prepared at;
@@ -332,7 +332,7 @@ void choose_watch(struct choose_certificate *c)
     if (c->choice < 0 || !c->met)
         return;
     struct watched o = {.c = c, .v = &c->verdict[c->choice], .drive_Hz = choose_swept_Hz(c)};
-    o.t = &o.v->trial[c->method];
+    o.t = &o.v->attempt[c->method];
     o.m = o.v->candidate.scene.model;
     o.series = choose_method[c->method]->order == 0;
     o.dimensionless = scenes_dimensionless(&o.t->scene);

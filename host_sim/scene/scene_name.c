@@ -42,20 +42,19 @@ static const struct scene_kind microscope = {
     .library = "a microscope alone is opened by contactplant_afm_open, or on a bus",
 };
 
-/* True for the microscope. */
-static bool is_microscope(const struct model *m)
-{
-    return !m->rhs;
-}
-
 const struct scene_kind *scene_kind(const struct model *m)
 {
-    return is_microscope(m) ? &microscope : &plants;
+    return scene_is_microscope(m) ? &microscope : &plants;
 }
 
 struct stages *scene_stages(const struct scene_kind *k, struct stages *own, double *scratch)
 {
     return k->holds_stages ? (struct stages *)(void *)scratch : own;
+}
+
+bool scene_is_microscope(const struct model *m)
+{
+    return !m->rhs;
 }
 
 void scene_subject(const struct model *m, const double *si, char *text)

@@ -35,6 +35,9 @@ const struct scene_kind *scene_kind(const struct model *m);
 /* The memory of its stages: `own`, or a part of its scratch memory. */
 struct stages *scene_stages(const struct scene_kind *k, struct stages *own, double *scratch);
 
+/* True for the microscope. */
+bool scene_is_microscope(const struct model *m);
+
 /* The name of the parameter that a microscope refuses, with a blank behind it into text[SCENE_SUBJECT]: its
  * reasons need one. "" where it refuses none, and for any other model. */
 enum { SCENE_SUBJECT = 40 };

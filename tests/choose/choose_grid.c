@@ -33,7 +33,7 @@ static struct {
     double worst, sum; /* the choice's cost over the cheapest one's: the worst, and the sum of logarithms */
 } count;
 
-static bool affordable(struct search *o, struct choose_trial *t, int method, double most)
+static bool affordable(struct search *o, struct choose_attempt *t, int method, double most)
 {
     t->series = (struct choose_series){.time = 0.0};
     choose_price(o, t, method);
@@ -41,7 +41,7 @@ static bool affordable(struct search *o, struct choose_trial *t, int method, dou
 }
 
 /* One combination; when it is good, the most that others may cost. */
-static void one(struct search *o, const struct choose_values *truth, struct choose_trial *t, int method,
+static void one(struct search *o, const struct choose_values *truth, struct choose_attempt *t, int method,
                 struct cheapest *best)
 {
     struct choose_record r;
@@ -76,7 +76,7 @@ static void candidate(struct search *o, const struct choose_values *truth, const
     for (int method = 0; method < CHOOSE_METHODS && !k->refused; method++) {
         bool series = choose_method[method] == &taylor;
         for (double tol = series ? 1e-2 : 1.0; tol >= (series ? 1e-9 : 1.0); tol *= 0.5623413251903491) {
-            struct choose_trial t = {.scene = k->scene};
+            struct choose_attempt t = {.scene = k->scene};
             t.scene.method = choose_method[method]->name;
             t.scene.tolerance = series ? tol : k->scene.tolerance;
             for (int n = 1; n <= SUBSTEPS; n++) {
@@ -102,7 +102,7 @@ static void look(const char *name, const struct scene *s)
     char why[SCENE_CHECK_REASON];
     if (!choose_tighten(&full, CHOOSE_TIGHT, 1.0, why) || choose_run(&full, NULL, 0.0, &o.truth))
         return;
-    const struct choose_trial *chosen = &c.verdict[c.choice].trial[c.method];
+    const struct choose_attempt *chosen = &c.verdict[c.choice].attempt[c.method];
     double cost = choose_frame_cost(chosen, 0);
     struct cheapest best = {.cost = cost};
     struct choose_values truth = choose_judge(&c.scene, false);

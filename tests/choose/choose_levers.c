@@ -108,7 +108,7 @@ static double statistics_apart(const struct choose_values *a, const struct lever
 /* The chosen scene's error; *known: how well the judge knows its own motion. */
 static double judged(const struct choose_certificate *c, double *known)
 {
-    struct choose_values v = choose_judge_run(&c->verdict[c->choice].trial[c->method].scene);
+    struct choose_values v = choose_judge_run(&c->verdict[c->choice].attempt[c->method].scene);
     struct lever_judged j[2];
     double frame = c->scene.frame_s / c->scene.dilation, error = HUGE_VAL;
     double *at = calloc((size_t)v.n + 1, sizeof *at);
@@ -148,7 +148,7 @@ static void look(int i, const struct scene *s)
         return;
     }
     const struct choose_verdict *v = &c.verdict[c.choice], *full = &c.verdict[c.n_candidates - 1];
-    const struct choose_trial *t = &v->trial[c.method];
+    const struct choose_attempt *t = &v->attempt[c.method];
     double known, error = judged(&c, &known);
     bool decided = known <= 0.1 * c.scene.tolerance, wrong = decided && !(error <= c.scene.tolerance);
     count.certified++;
@@ -160,8 +160,8 @@ static void look(int i, const struct scene *s)
     count.fewer += (v->candidate.kind & KIND_FEWER) != 0;
     count.bare += (v->candidate.kind & KIND_BARE) != 0;
     count.cheaper += c.choice < c.n_candidates - 1;
-    count.saved +=
-        log(full->best >= 0 ? choose_frame_cost(&full->trial[full->best], 0) / choose_frame_cost(t, 0) : 1.0);
+    count.saved += log(
+        full->best >= 0 ? choose_frame_cost(&full->attempt[full->best], 0) / choose_frame_cost(t, 0) : 1.0);
     count.loud += !choose_judge_quiet(&c);
     count.other_run += choose_out_differs(&c) != 0;
     printf("      %d: %g modes, %s, %s: %s, %u steps a frame, tolerance %.2g, error %.2g, judged %.2g (known "

@@ -54,7 +54,7 @@ static int compare(const char *rows, const struct choose_record *r, double unit)
 int choose_out_differs(const struct choose_certificate *c)
 {
     char directory[] = "/tmp/contactplant_out_XXXXXX", scene[PATH], rows[PATH];
-    const struct scene *s = &c->verdict[c->choice].trial[c->method].scene;
+    const struct scene *s = &c->verdict[c->choice].attempt[c->method].scene;
     struct choose_record r;
     bool velocity = s->model->output_signal[(int)s->observable].quantity == QUANTITY_VELOCITY;
     if (!mkdtemp(directory))

@@ -60,7 +60,7 @@ static void refusals(const struct choose_certificate *c, const struct choose_val
         if (verbose && error <= c->scene.tolerance)
             printf("      wrongly refused: %s, error %.3g, because %s\n", s.model->name, error, v->refused);
     }
-    const struct choose_trial *t = &c->verdict[c->choice].trial[c->method];
+    const struct choose_attempt *t = &c->verdict[c->choice].attempt[c->method];
     if (!t->met || !t->coarser.model)
         return;
     double error = choose_judge_error(c, &t->coarser, truth);
@@ -100,9 +100,9 @@ static void watched(const struct scene_watch *w)
 
 static void saved(const struct choose_certificate *c)
 {
-    double cost = choose_frame_cost(&c->verdict[c->choice].trial[c->method], 0);
+    double cost = choose_frame_cost(&c->verdict[c->choice].attempt[c->method], 0);
     const struct choose_verdict *full = &c->verdict[c->n_candidates - 1];
-    double best = full->best >= 0 ? choose_frame_cost(&full->trial[full->best], 0) : HUGE_VAL;
+    double best = full->best >= 0 ? choose_frame_cost(&full->attempt[full->best], 0) : HUGE_VAL;
     bool cheaper = c->choice < c->n_candidates - 1;
     count.drawn++;
     count.cheaper += cheaper;
@@ -130,7 +130,7 @@ static void certified(const struct choose_certificate *c, double error, bool dra
 static void later(const struct choose_certificate *c)
 {
     const struct scene_watch *w = choose_watched(c);
-    struct scene s = c->scene, chosen = c->verdict[c->choice].trial[c->method].scene;
+    struct scene s = c->scene, chosen = c->verdict[c->choice].attempt[c->method].scene;
     if (!w || (int)w->observable != MODEL_TIME || c->condition[0].factor > later_most)
         return;
     s.over = chosen.over = w->above;
@@ -159,7 +159,7 @@ static void look(const char *name, const struct scene *s, bool drawn, bool verbo
         return;
     }
     struct choose_values truth = choose_judge(&c.scene, c.statistics);
-    const struct choose_trial *t = &c.verdict[c.choice].trial[c.method];
+    const struct choose_attempt *t = &c.verdict[c.choice].attempt[c.method];
     double error = choose_judge_error(&c, &t->scene, &truth);
     printf("      %s: %s %s %s %u of %u substeps, tolerance %.2g, error %.2g, judged %.2g\n", name,
            c.met ? "certified" : "closest", t->scene.model->name, t->scene.method, t->scene.substeps,

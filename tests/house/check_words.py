@@ -15,9 +15,9 @@ import listed
 GLOSSARY, HEAD = pathlib.Path("docs/why/design.md"), "## Glossary"
 LEAST = 40
 TABLE = re.compile(r"^(?:static const struct (?:option|usage)\b|\} command\[\] = \{).*?^\}", re.S | re.M)
-# A room of host_sim, and words of the last column that its code has still; a public name (contactplant_client_twin) stays.
+# A room of host_sim, and words of the last column that its code has still.
 LATER = {
-    "afm": "station setpoint", "choose": "trial audit twin", "library": "station twin", "list": "station trial",
+    "afm": "station setpoint", "library": "station", "list": "station trial",
     "out": "surrogate", "scene": "station", "trial": "trial station",
 }
 STRINGS = re.compile(r'"(?:\\.|[^"\\\n])*"')

@@ -35,9 +35,9 @@ static const char *choose(struct choose_certificate *c, const struct scene *s)
     return choose_search(c, NULL, &escaped);
 }
 
-static const struct choose_trial *chosen(const struct choose_certificate *c)
+static const struct choose_attempt *chosen(const struct choose_certificate *c)
 {
-    return &c->verdict[c->choice].trial[c->method];
+    return &c->verdict[c->choice].attempt[c->method];
 }
 
 /* A number of a file of counts: the first one behind `key`; NaN without it. */
@@ -143,7 +143,7 @@ TEST(choose_repeats)
     check_no_error("another one", choose(&b, preset("kb-fig16")));
     check_true("another one", b.met);
     check_true("another one", b.in_time);
-    check_near("the same error", a.verdict[a.choice].trial[a.method].error, chosen(&b)->error, 0.0);
+    check_near("the same error", a.verdict[a.choice].attempt[a.method].error, chosen(&b)->error, 0.0);
     check_near("the same step", chosen(&a)->scene.substeps, chosen(&b)->scene.substeps, 0.0);
     check_near("the same cost", choose_frame_cost(chosen(&a), 0), choose_frame_cost(chosen(&b), 0), 0.0);
     check_below("cheaper than as given", choose_frame_cost(chosen(&a), 0), a.given_cost);

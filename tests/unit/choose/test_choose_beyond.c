@@ -24,7 +24,7 @@ static double factor_of(const struct scene *s)
         check_true("a certificate", 0);
         return 0.0;
     }
-    check_string("of", certificate.verdict[certificate.choice].trial[certificate.method].scene.model->name,
+    check_string("of", certificate.verdict[certificate.choice].attempt[certificate.method].scene.model->name,
                  "shaft_bearing_mode");
     for (int i = 0; i < certificate.n_conditions; i++)
         if (!strcmp(certificate.condition[i].name, "mode")) {
@@ -80,7 +80,7 @@ TEST(choose_beyond_paper)
  * the shaft's first position moved: their difference. */
 static double error_at(double larger, double nudge)
 {
-    struct scene candidate = certificate.verdict[certificate.choice].trial[certificate.method].scene,
+    struct scene candidate = certificate.verdict[certificate.choice].attempt[certificate.method].scene,
                  full = certificate.scene;
     struct choose_record truth, r;
     full.method = "exact";

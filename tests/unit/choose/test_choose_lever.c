@@ -62,12 +62,12 @@ TEST(choose_lever_far)
                                 *full = &certificate.verdict[certificate.n_candidates - 1];
     check_true("certified", certificate.met && certificate.in_time && !certificate.statistics);
     check_string("the choice", v->candidate.name, "afm_lever, 2 modes, no attraction");
-    check_below("it costs less than the full model", choose_frame_cost(&v->trial[certificate.method], 0),
-                0.3 * choose_frame_cost(&full->trial[full->best], 0));
+    check_below("it costs less than the full model", choose_frame_cost(&v->attempt[certificate.method], 0),
+                0.3 * choose_frame_cost(&full->attempt[full->best], 0));
     check_near("heat is off", certificate.scene.value[LEVER_TEMPERATURE], 0.0, 0.0);
     const struct scene_watch *w = choose_watched(&certificate);
     check_is("a gap is watched", (int)w->observable, ==, LEVER_GAP);
-    double closest = (v->trial[certificate.method].reach[0]) * 1e-6 / 30.0;
+    double closest = (v->attempt[certificate.method].reach[0]) * 1e-6 / 30.0;
     check_below("nearer than the motion came", w->below, closest);
     check_above("but not at the sample", w->below, 0.05 * closest);
 }

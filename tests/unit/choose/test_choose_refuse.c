@@ -166,14 +166,14 @@ TEST(choose_refuse_step)
 {
     struct scene s = rig(5.0, 0.2, 1e-7);
     double frame_rad = 2.0 * 3.14159265 * 230.7 * 1e-3;
-    const struct choose_trial *t = &verdict_on(&s, NULL, "hertz_rig")->trial[0];
+    const struct choose_attempt *t = &verdict_on(&s, NULL, "hertz_rig")->attempt[0];
     check_near("refused below, smooth", t->bound, ceil(frame_rad / pow(1e-3, 0.25)), 0.0);
     s.tolerance = 1e-4;
-    check_near("nothing", verdict_on(&s, NULL, "hertz_rig")->trial[0].bound, 0.0, 0.0);
+    check_near("nothing", verdict_on(&s, NULL, "hertz_rig")->attempt[0].bound, 0.0, 0.0);
     s.tolerance = 1e-5;
     s.drive[RIG_FORCE].amplitude = 70.0;
     s.over = 0.03;
-    t = &verdict_on(&s, NULL, "hertz_rig")->trial[0];
+    t = &verdict_on(&s, NULL, "hertz_rig")->attempt[0];
     check_above("contact is lost", certificate.loss, 0.0);
     check_near("refused below, across the kink", t->bound, ceil(frame_rad / pow(1e-2, 0.4)), 0.0);
 }

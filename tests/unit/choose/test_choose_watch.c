@@ -21,9 +21,9 @@ static struct bus bus;
 static struct choose_certificate certificate;
 static double scratch[METHOD_SCRATCH];
 
-static const struct choose_trial *chosen_trial(void)
+static const struct choose_attempt *chosen_attempt(void)
 {
-    return &certificate.verdict[certificate.choice].trial[certificate.method];
+    return &certificate.verdict[certificate.choice].attempt[certificate.method];
 }
 
 static void certify_sweep(const struct scene *s, const struct choose_sweep *w, const char *model)
@@ -35,7 +35,7 @@ static void certify_sweep(const struct scene *s, const struct choose_sweep *w, c
     certificate.sweep = *w;
     check_no_error("a certificate", choose_search(&certificate, NULL, &escaped));
     check_true("a certificate", certificate.met);
-    check_string("of", chosen_trial()->scene.model->name, model);
+    check_string("of", chosen_attempt()->scene.model->name, model);
     check_true("with a watch, which is the first condition",
                choose_watched(&certificate) == &certificate.condition[0].watch);
     for (int i = 1; i < certificate.n_conditions; i++)
@@ -283,7 +283,7 @@ TEST(choose_watch_changes)
     check_true("of changes, nothing to climb to", !w->promote);
     check_near("none", w->above, 0.0, 0.0);
     check_near("as far as its error may grow", certificate.condition[0].factor,
-               certificate.scene.tolerance / chosen_trial()->error, 1e-12);
+               certificate.scene.tolerance / chosen_attempt()->error, 1e-12);
     check_contains("it says so", certificate.condition[0].text, "so any change counts");
     run_written(&s);
     check_quiet();
@@ -370,9 +370,9 @@ TEST(choose_watch_guards)
     check_string("the condition behind it", choose_guard_name[k->guard], "refused on the bus");
     check_string("is a drive's frequency", k->name, "drive frequency");
     check_below("and nearer", k->factor, certificate.condition[0].factor);
-    a.substeps = (uint32_t)chosen_trial()->scene.substeps;
-    a.method = method_find(chosen_trial()->scene.method);
-    a.tol = chosen_trial()->scene.tolerance;
+    a.substeps = (uint32_t)chosen_attempt()->scene.substeps;
+    a.method = method_find(chosen_attempt()->scene.method);
+    a.tol = chosen_attempt()->scene.tolerance;
     a.scratch = scratch;
     bus_start_running(&bus, &a);
     double Hz = k->factor * certificate.scene.drive[RIG_FORCE].frequency_Hz;
