@@ -14,6 +14,7 @@ int cmd_sweep(int argc, char **argv);
 int cmd_basin(int argc, char **argv);
 int cmd_stability(int argc, char **argv);
 int cmd_random(int argc, char **argv);
+int cmd_merge(int argc, char **argv);
 int cmd_send(int argc, char **argv);
 int cmd_scope(int argc, char **argv);
 int cmd_monitor(int argc, char **argv);

@@ -68,6 +68,8 @@ static const struct command {
     {WANT_MAPS, "random",
      "compute statistics under noise: densities, crossing rates, contact loss, beside closed forms",
      cmd_random},
+    {WANT_MAPS, "merge", "join the shares of a map, or of a test's report, that several machines computed",
+     cmd_merge},
     {WANT_MICROSCOPE, "scan", "scan a surface with a virtual AFM: images of trace and retrace", cmd_scan},
     {WANT_MICROSCOPE, "approach", "move the base of an AFM lever to the sample and back: a force curve",
      cmd_approach},

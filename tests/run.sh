@@ -242,6 +242,7 @@ more waits "recorded logs in Chromium" /usr/bin/python3 tests/scope/test_view_pa
 more waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build
 stage waits "requirements of tests, shares of a scheduler" tests/trial/test_requirements.py build/contactplant
+stage waits "shares of maps and tests, merged" /usr/bin/python3 tests/cli/test_merge.py build/contactplant
 stage waits "tests of controllers that harm their bench" /usr/bin/python3 tests/trial/test_bench.py build
 stage waits "tests of a microscope's loops" /usr/bin/python3 tests/trial/test_afm.py build
 more waits "example controllers: bad links, two compilers, a stop" /usr/bin/python3 tests/trial/test_seeds.py build build/asan 4 2

@@ -124,7 +124,9 @@ void files_begin(void)
 /* How an output is called in a message. */
 static void name_output(const struct output *o, char text[NAME])
 {
-    if (o->option)
+    if (o->option && !*o->option)
+        snprintf(text, NAME, "%.*s", PATH_SHOWN, o->path);
+    else if (o->option)
         snprintf(text, NAME, "--%s %.*s", o->option, PATH_SHOWN, o->path);
     else
         snprintf(text, NAME, "standard %s", o->path[strlen(o->path) - 1] == '1' ? "output" : "error");
@@ -176,22 +178,21 @@ static const char *tell_reason(int error)
 
 bool files_take(const char *option, const char *path, bool folder, char why[FILES_REASON])
 {
-    char name[NAME];
-    const struct output *other = find_output(path, false);
+    char name[NAME], own[NAME];
+    const struct output mine = {option, path, folder}, *other = find_output(path, false);
     int reason = folder ? 0 : unwritable(path);
+    name_output(&mine, own);
     if (other && other->option)
         snprintf(why, FILES_REASON, "--%s and --%s are both %.*s; choose two files", other->option, option,
                  PATH_SHOWN, path);
     else if (other)
-        name_output(other, name), snprintf(why, FILES_REASON, "--%s %.*s is %s, too; choose another", option,
-                                           PATH_SHOWN, path, name);
+        name_output(other, name), snprintf(why, FILES_REASON, "%s is %s, too; choose another", own, name);
     else if (reason)
-        snprintf(why, FILES_REASON, "cannot write --%s %.*s: %s; choose another", option, PATH_SHOWN, path,
-                 tell_reason(reason));
+        snprintf(why, FILES_REASON, "cannot write %s: %s; choose another", own, tell_reason(reason));
     if (other || reason)
         return false;
     ASSERT(line.n_outputs < OUTPUTS);
-    line.output[line.n_outputs++] = (struct output){option, path, folder};
+    line.output[line.n_outputs++] = mine;
     return true;
 }
 

@@ -20,8 +20,8 @@ enum { FILES_REASON = 512 };
 /* A new command line: nothing is known of it. Before the first one everything may be written. */
 void files_begin(void);
 
-/* An output of this command line: the value `path` of --option, which stays where it is. A folder is an
- * output with all files directly in it. False, and nothing is taken: why says what to do. */
+/* An output of this command line: the value `path` of --option, which stays where it is, or with "" a word. A
+ * folder is an output with all files directly in it. False, and nothing is taken: why says what to do. */
 bool files_take(const char *option, const char *path, bool folder, char why[FILES_REASON]);
 
 /* The file `name` that will be written into a folder of files_take: the same, before the work is done. */

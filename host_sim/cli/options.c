@@ -203,7 +203,7 @@ static int each_file(const struct options *o, enum option_kind kind,
 static int take_output(const struct options *o, const struct option *p, const char *path)
 {
     char why[FILES_REASON];
-    bool taken = files_take(p->name, path, p->kind == OPTION_FOLDER, why);
+    bool taken = files_take(p ? p->name : "", path, p && p->kind == OPTION_FOLDER, why);
     return taken ? 0 : options_misuse(o->usage, "%s", why);
 }
 
@@ -220,8 +220,11 @@ static int take_files(const struct options *o)
     files_begin();
     int status = each_file(o, OPTION_FOLDER, take_output);
     status = status ? status : each_file(o, OPTION_WRITES, take_output);
+    int written = o->usage->words_written, read = written + o->usage->words_read;
+    for (int i = 0; i < o->n_words && i < written && !status; i++)
+        status = take_output(o, NULL, o->word[i]);
     status = status ? status : each_file(o, OPTION_READS, take_input);
-    for (int i = 0; i < o->n_words && i < o->usage->words_read && !status; i++)
+    for (int i = written; i < o->n_words && i < read && !status; i++)
         status = take_input(o, NULL, o->word[i]);
     return status;
 }

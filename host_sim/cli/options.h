@@ -14,9 +14,9 @@
 #include <stdio.h>
 
 enum {
-    OPTIONS_TABLES = 6, /* tables that one command may combine */
-    OPTIONS_GIVEN = 96, /* options on one command line */
-    OPTIONS_WORDS = 80  /* words on one command line */
+    OPTIONS_TABLES = 6,  /* tables that one command may combine */
+    OPTIONS_GIVEN = 96,  /* options on one command line */
+    OPTIONS_WORDS = 4096 /* words on one command line */
 };
 
 /* A value that names a file or a folder has a kind of its own, which keeps outputs from inputs (files.h). */
@@ -58,7 +58,8 @@ struct usage {
     const char *words_help; /* the words' meaning, indented lines; NULL for nothing */
     const char *examples;   /* indented lines */
     int min_words, max_words;
-    int words_read; /* the first so many words name files that are read; a SCENE is none of them */
+    int words_written; /* the first so many words name files that are written */
+    int words_read;    /* the next ones name files that are read; a SCENE is none of them */
     const struct option *table[OPTIONS_TABLES]; /* own options, then shared ones; NULL for none */
 };
 

@@ -62,7 +62,7 @@ static const struct usage send_usage = {
                 "  contactplant send --bus can:can0 start + capture arm + capture trigger --hold 1\n"
                 "  contactplant send --bus can:can0 capture read > burst.csv\n",
     .min_words = 1,
-    .max_words = OPTIONS_WORDS,
+    .max_words = SEND_WORDS,
     .table = {send_options, bus_options, scene_options},
 };
 
@@ -71,7 +71,7 @@ static const struct usage send_usage = {
 struct chain {
     struct sender sender;
     int n;
-    struct action action[OPTIONS_WORDS];
+    struct action action[SEND_WORDS];
 };
 
 /* Words of the command that begins at i: up to the next "+" or the end. */

@@ -5,6 +5,8 @@
 #include "host_sim/live/action.h"
 #include "host_sim/live/send_talk.h"
 
+enum { SEND_WORDS = 80 /* on one command line */ };
+
 /* The verbs that it has: bits 1 << enum action_verb. */
 extern const unsigned send_verbs;
 

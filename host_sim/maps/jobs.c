@@ -9,7 +9,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -31,8 +30,11 @@ struct book {
     FILE *out;
     const char *path; /* NULL: standard output */
     uint32_t run;
-    int first, next, end; /* jobs of this shard; next: whose rows come next */
-    bool has_header;      /* true in the first shard, even without jobs */
+    struct share share;
+    char line[SHARE_LINE];  /* tells the share, before its rows; "" for a whole run */
+    int first, next, end;   /* jobs of this shard; next: whose rows come next */
+    long rows, rows_before; /* in the file; those before the last job's */
+    bool whole;             /* its last line is there */
     struct jobs_chain chain;
     char **waiting; /* [end - first] rows that came before their turn */
     bool *finished; /* [end - first] */
@@ -40,10 +42,12 @@ struct book {
     int kept, taken; /* pieces in the file at the start, and added since */
 };
 
+static const char begin_of_last[] = "# complete: ";
+
 /* FNV-1a: its start, and its continuation over a text. */
 static const uint32_t hash_start = 2166136261u;
 
-static uint32_t hash_on(uint32_t hash, const char *text, size_t n)
+uint32_t jobs_run_on(uint32_t hash, const char *text, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         hash = (hash ^ (unsigned char)text[i]) * 16777619u;
@@ -52,7 +56,7 @@ static uint32_t hash_on(uint32_t hash, const char *text, size_t n)
 
 uint32_t jobs_run_number(const char *identity)
 {
-    return hash_on(hash_start, identity, strlen(identity));
+    return jobs_run_on(hash_start, identity, strlen(identity));
 }
 
 /* Continues the chain of checks over a row of this job. */
@@ -60,7 +64,7 @@ static uint32_t go_on(struct jobs_chain *c, int job, const char *row, size_t n)
 {
     if (c->job != job)
         *c = (struct jobs_chain){job, hash_start};
-    return c->check = hash_on(c->check, row, n);
+    return c->check = jobs_run_on(c->check, row, n);
 }
 
 bool jobs_row_fits(struct jobs_chain *c, char *line)
@@ -76,71 +80,20 @@ bool jobs_row_fits(struct jobs_chain *c, char *line)
     return fits;
 }
 
-/* A whole number of an environment variable; 0: there is none. */
-static long told(const char *name)
-{
-    const char *text = getenv(name);
-    char *end;
-    long value = text ? strtol(text, &end, 10) : 0;
-    return text && end != text && !*end && value > 0 && value < INT_MAX ? value : 0;
-}
-
-/* The I of N that the scheduler tells this task: Slurm's array 1..N, or any of it where N is given. GNU
- * parallel tells I alone. False: it tells none. */
-static bool scheduled(long *i, long *n)
-{
-    long task = told("SLURM_ARRAY_TASK_ID"), count = told("SLURM_ARRAY_TASK_COUNT");
-    bool whole = told("SLURM_ARRAY_TASK_MIN") == 1 && told("SLURM_ARRAY_TASK_MAX") == count;
-    *i = task ? task : told("PARALLEL_SEQ");
-    *n = *n ? *n : task && whole ? count : 0;
-    return *i && *n;
-}
-
-/* I/N, auto/N or auto. False after a line. */
-static bool read_share(const struct options *o, long *i, long *n)
-{
-    const char *text = options_text(o, "shard", 0);
-    bool automatic = !strncmp(text, "auto", 4);
-    size_t head = automatic ? 4 : strspn(text, "0123456789");
-    const char *of = text + head;
-    char *last;
-    *i = automatic ? 0 : strtol(text, NULL, 10);
-    *n = *of == '/' ? strtol(of + 1, &last, 10) : 0;
-    bool good = *of == '/' ? last != of + 1 && !*last && *n >= 1 && *n <= INT_MAX : automatic && !*of;
-    if (good && automatic && !scheduled(i, n)) {
-        options_misuse(
-            o->usage,
-            "--shard %s: SLURM_ARRAY_TASK_ID of an array 1-N tells the share, or with auto/N it and "
-            "PARALLEL_SEQ of GNU parallel; neither does here",
-            text);
-        return false;
-    }
-    good = good && *i >= 1 && *i <= *n;
-    if (!good)
-        options_misuse(o->usage, "--shard %s: give I/N with 1 <= I <= N, or auto", text);
-    return good;
-}
-
-int jobs_read_shard(const struct options *o, int n_things, struct jobs_share *s)
-{
-    long i, n;
-    if (!read_share(o, &i, &n))
-        return STATUS_MISUSED;
-    s->first = (int)((int64_t)n_things * (i - 1) / n);
-    s->end = (int)((int64_t)n_things * i / n);
-    s->is_first = i == 1;
-    return STATUS_DONE;
-}
-
 /* A shard is empty where there are fewer jobs than shards. Returns the exit status. */
 static int read_shard(struct book *b)
 {
-    struct jobs_share s = {.end = 0};
-    int status = jobs_read_shard(b->j->options, b->j->n, &s);
-    b->first = b->next = s.first;
-    b->end = s.end;
-    b->has_header = s.is_first;
+    int status = share_take(b->j->options, b->j->n, &b->share);
+    b->first = b->next = b->share.first;
+    b->end = b->share.end;
+    if (status == STATUS_DONE && b->share.n > 1)
+        share_tell(b->j->options, &b->share, b->j->n, "jobs", b->run, b->line);
     return status;
+}
+
+void jobs_last(long rows, char text[JOBS_LAST])
+{
+    snprintf(text, JOBS_LAST, "%s%ld rows\n", begin_of_last, rows);
 }
 
 void jobs_header(const char *columns, char text[JOBS_LINE])
@@ -157,20 +110,41 @@ static bool only_zeros(FILE *f)
     return byte == EOF;
 }
 
+/* Lines before the rows: the share's, and the header in the first share, even without jobs. */
+static int n_fronts(const struct book *b)
+{
+    return (*b->line ? 1 : 0) + (b->share.i == 1);
+}
+
+/* The begin of line `number`. */
+static void expect(const struct book *b, long number, char ours[JOBS_LINE])
+{
+    if (*b->line && number == 1)
+        snprintf(ours, JOBS_LINE, JOBS_SHARE "%.*s", (int)strcspn(b->line, ":") + 1, b->line);
+    else if (number == n_fronts(b))
+        jobs_header(b->j->columns, ours);
+    else
+        snprintf(ours, JOBS_LINE, "%08x,", (unsigned)b->run);
+}
+
+/* One begins with the other. */
+static bool agree(const char *line, const char *ours)
+{
+    size_t n = strlen(ours), length = strlen(line);
+    return !strncmp(line, ours, length < n ? length : n);
+}
+
 /* Is this last line, which begins at `offset`, what an interrupted run of ours left? Then it may be
  * removed; a line of another file may not. A crash may leave zeros behind it, or behind the last whole
  * line. Moves the place in the file. */
-static bool is_cut_off(const struct book *b, const char *line, bool header, long offset)
+static bool is_cut_off(const struct book *b, const char *line, long number, long offset)
 {
     char ours[JOBS_LINE];
-    snprintf(ours, sizeof ours, "%08x,", (unsigned)b->run);
-    if (header)
-        jobs_header(b->j->columns, ours);
-    size_t n = strlen(ours), length = strlen(line);
-    bool begins = length >= n ? !header && !strncmp(line, ours, n) : !strncmp(line, ours, length);
-    if (!begins || (length == 0 && offset == 0)) /* zeros alone could be anybody's */
+    expect(b, number, ours);
+    bool begins = agree(line, ours) || (*b->line && number > n_fronts(b) && agree(line, begin_of_last));
+    if (!begins || (!*line && offset == 0)) /* zeros alone could be anybody's */
         return false;
-    return !fseek(b->out, offset + (long)length, SEEK_SET) && only_zeros(b->out);
+    return !fseek(b->out, offset + (long)strlen(line), SEEK_SET) && only_zeros(b->out);
 }
 
 /* The line without run and job. */
@@ -180,6 +154,8 @@ static const char *own_part(const char *line)
 }
 
 static const char *const foreign = "not of this run and shard, and left as it is; give another --out";
+static const char *const joined =
+    "a line of a share, and left as it is; join shares by contactplant merge, or give another --out";
 static const char *const missing =
     "rows are missing before this one, and left as it is; complete their shard, and join again";
 static const char *const changed =
@@ -196,10 +172,33 @@ static const char *read_row(struct book *b, char *line, bool ended, long offset,
         return foreign;
     if (job > b->next + 1 || (job > b->next && !ended))
         return missing;
-    if (job > b->next)
+    if (job > b->next) {
         *keep = offset;
+        b->rows_before = b->rows;
+    }
     b->next = job;
+    b->rows++;
     return jobs_row_fits(&b->chain, line) ? NULL : changed;
+}
+
+static const char *read_front(const struct book *b, const char *line, long number)
+{
+    char ours[JOBS_LINE];
+    expect(b, number, ours);
+    return strncmp(line, ours, strlen(ours)) ? foreign : NULL;
+}
+
+/* The last line of a share, with which nothing is left to compute. */
+static const char *read_last(struct book *b, const char *line, bool ended)
+{
+    char ours[JOBS_LAST];
+    jobs_last(b->rows, ours);
+    bool all = b->first == b->end || (ended && b->next == b->end - 1);
+    if (b->whole || !all || strcmp(line, ours) != 0)
+        return changed;
+    b->whole = true;
+    b->next = b->end;
+    return NULL;
 }
 
 /* Checks the rows of a file, of which the last may be torn. NULL: the run resumes at *keep. Else says what
@@ -207,16 +206,20 @@ static const char *read_row(struct book *b, char *line, bool ended, long offset,
 static const char *read_lines(struct book *b, char *line, long *keep, long *number)
 {
     const char *wrong = NULL;
-    char ours[JOBS_LINE];
     bool ended = false;
-    jobs_header(b->j->columns, ours);
     for (long offset = 0; !wrong && fgets(line, JOBS_LINE, b->out); offset = ftell(b->out)) {
-        bool header = ++*number == 1 && b->has_header;
+        ++*number;
         if (!strchr(line, '\n'))
-            return is_cut_off(b, line, header, offset) ? NULL : foreign;
-        if (header) {
-            wrong = strcmp(line, ours) ? foreign : NULL;
-            *keep = ftell(b->out);
+            return is_cut_off(b, line, *number, offset) ? NULL : foreign;
+        if (*line == '#' && !*b->line)
+            return joined;
+        if (*number <= n_fronts(b)) {
+            wrong = read_front(b, line, *number);
+            *keep = *number == n_fronts(b) ? ftell(b->out) : 0;
+            continue;
+        }
+        if (*line == '#' || b->whole) {
+            wrong = read_last(b, line, ended);
             continue;
         }
         wrong = read_row(b, line, ended, offset, keep);
@@ -239,7 +242,7 @@ static long keep_pieces(struct book *b, char *line, long keep)
         return -1;
     stay = b->j->resume(b->j->context, b->next, text);
     good = !fseek(b->out, keep, SEEK_SET);
-    for (size_t done = 0; good && done < stay; b->kept++) {
+    for (size_t done = 0; good && done < stay; b->kept++, b->rows++) {
         good = fgets(line, JOBS_LINE, b->out) && jobs_row_fits(&b->chain, line);
         done += good ? strlen(own_part(line)) : 0;
     }
@@ -254,7 +257,10 @@ static int read_file(struct book *b)
     const char *wrong = read_lines(b, line, &keep, &number);
     if (wrong)
         return options_misuse(b->j->options->usage, "%s:%ld: %s", b->path, number, wrong);
+    if (b->whole)
+        return STATUS_DONE;
     b->chain = JOBS_CHAIN;
+    b->rows = b->rows_before;
     if (b->j->resume)
         keep = keep_pieces(b, line, keep);
     if (keep < 0 || ftruncate(fileno(b->out), keep) || fseek(b->out, keep, SEEK_SET))
@@ -297,9 +303,17 @@ static int open_file(struct book *b)
                               strerror(errno));
     int status = b->path ? take_file(b) : STATUS_DONE;
     status = status == STATUS_DONE && b->path ? read_file(b) : status;
+    if (status != STATUS_DONE || (b->path && ftell(b->out) != 0))
+        return status;
     jobs_header(b->j->columns, header);
-    if (status == STATUS_DONE && b->has_header && (!b->path || ftell(b->out) == 0))
+    if (*b->line) {
+        put_text(b, JOBS_SHARE);
+        put_text(b, b->line);
+        put_text(b, "\n");
+    }
+    if (b->share.i == 1)
         put_text(b, header);
+    (void)fflush(b->out); /* though the first row be long in coming, the file tells its share */
     return status;
 }
 
@@ -314,6 +328,7 @@ static void write_rows(struct book *b, const char *text)
         unsigned check = go_on(&b->chain, b->next, text, n);
         snprintf(line, sizeof line, "%s%.*s,%08x\n", front, (int)n, text, check);
         put_text(b, line);
+        b->rows++;
         text += n + (text[n] == '\n');
     }
 }
@@ -370,7 +385,7 @@ static int compute_all(struct book *b)
     const struct usage *u = b->j->options->usage;
     char why[JOBS_REASON] = "";
     double cores = options_number(b->j->options, "cores");
-    if (b->first == b->end)
+    if (b->next == b->end)
         return STATUS_DONE;
     b->waiting = calloc((size_t)(b->end - b->first), sizeof *b->waiting);
     b->finished = calloc((size_t)(b->end - b->first), sizeof *b->finished);
@@ -406,6 +421,11 @@ int jobs_run(const struct jobs *j)
         status = open_file(&b);
     if (status == STATUS_DONE)
         status = compute_all(&b);
+    if (status == STATUS_DONE && *b.line && !b.whole && b.next == b.end) {
+        char last[JOBS_LAST];
+        jobs_last(b.rows, last);
+        put_text(&b, last);
+    }
     bool unwritten = b.path && b.out && (ferror(b.out) | fclose(b.out));
     if (status == STATUS_DONE && unwritten)
         status = options_failure(j->options->usage,

@@ -11,8 +11,9 @@
  * run, or while another process writes it. So is a file with a changed row, or with rows missing before
  * others.
  *
- * Shard i/n has a contiguous share of the jobs, and only the first shard has the header line. The files of
- * all shards, concatenated in order, are the file of one run.
+ * Shard i/n has a contiguous share of the jobs, and only the first shard has the header line. In the file of
+ * a shard two lines begin with #: the first one tells the share (share.h), and the last one, which only a
+ * complete shard has, its rows. Without them the files of all shards in order are the file of one run.
  *
  * A long job can hand over its rows in pieces. A piece is in the file as soon as all jobs before it are,
  * counts as progress, and lets a run resume inside the job (`resume`). */
@@ -22,9 +23,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
-#include "host_sim/cli/options.h"
+#include "host_sim/maps/share.h"
 
-enum { JOBS_MAX = 10000000, JOBS_CORES = 256, JOBS_LINE = 8192 /* bytes of a row */ };
+enum { JOBS_MAX = 10000000, JOBS_CORES = 256, JOBS_LINE = 8192 /* bytes of a row */, JOBS_LAST = 48 };
+
+#define JOBS_SHARE "# " /* before the line that tells a share */
 
 /* --out --shard --cores, for the option tables of a command. */
 extern const struct option jobs_options[];
@@ -48,14 +51,6 @@ struct jobs {
     size_t (*resume)(void *context, int i, const char *rows);
 };
 
-/* The share [first, end) of n things that --shard names: I/N, or auto (docs/guide/maps.md). Returns the exit
- * status. */
-struct jobs_share {
-    int first, end;
-    bool is_first; /* share 1, which has the header; others may begin at 0, too */
-};
-int jobs_read_shard(const struct options *o, int n, struct jobs_share *s);
-
 /* Computes all jobs of this shard, with progress and the time left on stderr. Returns the exit status:
  * STATUS_DONE when every row is written. Else one line on stderr says what happened and what to do, and
  * the file has the jobs that were finished in order. */
@@ -67,6 +62,9 @@ void jobs_piece(FILE *rows);
 /* The `run` of an identity: FNV-1a of the text. */
 uint32_t jobs_run_number(const char *identity);
 
+/* Continues such a number over n bytes more. */
+uint32_t jobs_run_on(uint32_t run, const char *text, size_t n);
+
 /* The check of a row is FNV-1a over all rows of its job up to it, each without its own check and the comma
  * before. */
 struct jobs_chain {
@@ -77,6 +75,9 @@ struct jobs_chain {
 
 /* The header line of a file with these columns, newline included. */
 void jobs_header(const char *columns, char text[JOBS_LINE]);
+
+/* The last line of a complete shard with so many rows. */
+void jobs_last(long rows, char text[JOBS_LAST]);
 
 /* True when a whole line of a file, newline included, is as it was written. Removes the last column,
  * `check`. The caller passes rows in their order; `c` begins as JOBS_CHAIN. */

@@ -210,7 +210,7 @@ static const char *take_line(struct load *l, char *line)
         !rows_read(l->t, line + own, table->row + (size_t)i * l->t->size))
         return "no row of this map; give its whole file, and the scene it is of";
     if (i > 0 && run != l->run)
-        return "a row of another map; join shards of one command only";
+        return "a row of another map; join shares of one command by contactplant merge";
     if (!fits)
         return "changed since it was written; give the command that wrote the rows its --out again, without "
                "this "
@@ -230,7 +230,8 @@ int rows_load_from(const struct options *o, const struct rows *t, const char *pa
     *table = (struct rows_table){.size = t->size};
     jobs_header(t->header, header);
     if (!fgets(line, sizeof line, f) || strcmp(line, header))
-        wrong = "not the header of this map; give its whole file, and the scene it is of";
+        wrong = *line == '#' ? "a share of a map; join all of them by contactplant merge"
+                             : "not the header of this map; give its whole file, and the scene it is of";
     for (; !wrong && fgets(line, sizeof line, f); number++)
         wrong = take_line(&l, line);
     if (!wrong && table->n == 0)

@@ -62,6 +62,16 @@ static void add_text(struct json *j, const char *text)
     add_bytes(j, "\"", 1);
 }
 
+void json_read(char *text)
+{
+    char *to = text;
+    for (; *text; text++) {
+        text += *text == '\\' && (text[1] == '"' || text[1] == '\\');
+        *to++ = *text;
+    }
+    *to = 0;
+}
+
 static void add_number(struct json *j, double value, int digits)
 {
     char text[NUMBER_SIZE];

@@ -33,6 +33,9 @@ void json_put(struct json *j, const char *pattern, ...);
  * that opens. */
 void json_item(struct json *j, const char *pattern, ...);
 
+/* Takes the escapes of %s back, in place, but for controls. */
+void json_read(char *text);
+
 /* Takes back what came into a buffer since `before` was a copy of it. */
 void json_take_back(struct json *j, const struct json *before);
 

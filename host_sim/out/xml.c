@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 #include "host_sim/out/utf8.h"
 
 enum { NUMBER_SIZE = 40 };
@@ -29,6 +30,22 @@ static const char *entity_of(uint32_t code)
     default:
         return code < ' ' || code == 0xFFFE || code == 0xFFFF ? UTF8_REPLACEMENT : NULL;
     }
+}
+
+void xml_read(char *text)
+{
+    char *to = text;
+    while (*text) {
+        int code = *text == '&' ? 1 : 0;
+        const char *entity = NULL;
+        for (; code && code < 128 && !entity; code++) {
+            entity = entity_of((uint32_t)code);
+            entity = entity && !strncmp(text, entity, strlen(entity)) ? entity : NULL;
+        }
+        *to++ = (char)(entity ? code - 1 : *text);
+        text += entity ? strlen(entity) : 1;
+    }
+    *to = 0;
 }
 
 static void put_text(FILE *file, const char *text)

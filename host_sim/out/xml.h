@@ -14,4 +14,7 @@
  *   %p double, 1 decimal (a place in a picture) */
 void xml_put(FILE *file, const char *pattern, ...);
 
+/* Takes the escapes of %s back, in place. */
+void xml_read(char *text);
+
 #endif

@@ -1,6 +1,7 @@
 /* page_send.c - see page_send.h. */
 #include "host_sim/scope/page_send.h"
 #include "host_sim/cli/clock.h"
+#include "host_sim/live/send_verbs.h"
 #include "host_sim/scene/scene.h"
 
 #include <fcntl.h>
@@ -14,9 +15,9 @@
 #include <unistd.h>
 
 enum {
-    SEND_PORT = 3,                                  /* send's port over UDP is the plant's and so much more */
-    WORDS = 10 + 2 * OPTIONS_GIVEN + OPTIONS_WORDS, /* in send's command line */
-    TEXT = 16384                                    /* and its bytes */
+    SEND_PORT = 3,                               /* send's port over UDP is the plant's and so much more */
+    WORDS = 10 + 2 * OPTIONS_GIVEN + SEND_WORDS, /* in send's command line */
+    TEXT = 16384                                 /* and its bytes */
 };
 
 static const double command_patience_s = 1.0, command_look_s = 0.005; /* for a command to end */
@@ -83,14 +84,14 @@ static int split(char *line, char **word)
 {
     int n = 0;
     char *rest = line, *at;
-    while (n <= OPTIONS_WORDS && (at = strtok_r(n ? NULL : line, " ", &rest)))
+    while (n <= SEND_WORDS && (at = strtok_r(n ? NULL : line, " ", &rest)))
         word[n++] = at;
     return n;
 }
 
 uint32_t page_send_begin(struct page_send *c, int i, const char *line, size_t n, const char **why)
 {
-    char copy[HTTP_BODY + 1], *word[OPTIONS_WORDS + 1];
+    char copy[HTTP_BODY + 1], *word[SEND_WORDS + 1];
     struct page_send_plant *p = &c->plant[i];
     snprintf(copy, sizeof copy, "%.*s", (int)n, line);
     int n_words = split(copy, word);
@@ -98,7 +99,7 @@ uint32_t page_send_begin(struct page_send *c, int i, const char *line, size_t n,
     if (n_words == 0)
         return 0;
     *why = "a command has at most 80 words";
-    if (n_words > OPTIONS_WORDS)
+    if (n_words > SEND_WORDS)
         return 0;
     *why = "--hold, --in and --tick belong to a command; the scope knows the plant and its bus";
     for (int k = 0; k < n_words; k++)
@@ -140,7 +141,7 @@ static void compose(struct words *w, struct page_send_plant *p)
 {
     const char *const own[] = {"contactplant", "send",  "--model", p->scene, "--base-id",
                                p->base_id,     "--bus", p->bus,    "--peer", p->peer};
-    char *word[OPTIONS_WORDS + 1];
+    char *word[SEND_WORDS + 1];
     for (size_t i = 0; i < sizeof own / sizeof own[0] - (p->peer[0] ? 0 : 2); i++)
         add_word(w, "", own[i]);
     const char *more = NULL;

@@ -26,7 +26,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { TEST_FILES_MAX = OPTIONS_WORDS, RUNS_MAX = 100000, REPORTS_MAX = 2000, STATUS_BENCH = 3 };
+enum { TEST_FILES_MAX = 80, RUNS_MAX = 100000, REPORTS_MAX = 2000, STATUS_BENCH = 3 };
 
 static const struct option test_options[] = {
     {"case", "NAME", "run this case only; repeatable", OPTION_TEXT, .many = true},
@@ -47,7 +47,8 @@ static const struct option test_options[] = {
      .initial = NULL},
     {"cores", "N", "cases that run side by side (all cores)", OPTION_INTEGER, 1.0, JOBS_CORES,
      .initial = NULL},
-    {"shard", "I/N", "only the I-th of N shares of the cases, or auto (1/1)", OPTION_TEXT, .initial = "1/1"},
+    {"shard", "I/N", "only the I-th of N shares of the cases, or auto; contactplant merge joins them (1/1)",
+     OPTION_TEXT, .initial = "1/1"},
     {"patience", "S", "seconds that a controller may be silent (10; 0: for ever)", OPTION_NUMBER, 0.0, 1e9,
      .initial = "10"},
     {.name = "realtime",
@@ -81,8 +82,8 @@ static const struct usage test_usage = {
                 "  contactplant test keep.test --realtime                  beside contactplant run\n"
                 "  contactplant test keep.test --realtime --bus can:can0   a board, say\n",
     .min_words = 1,
-    .max_words = OPTIONS_WORDS,
-    .words_read = OPTIONS_WORDS,
+    .max_words = TEST_FILES_MAX,
+    .words_read = TEST_FILES_MAX,
     .table = {test_options},
 };
 
@@ -95,7 +96,9 @@ struct tests {
     bool is_done[RUNS_MAX];
     char program[PATH_MAX];
     struct requirements requirements, untraced;
-    char *again; /* options that a command for one case must have */
+    uint32_t identity;      /* a hash of the files' texts */
+    char share[SHARE_LINE]; /* tells the share, for its reports; "" for all cases */
+    char *again;            /* options that a command for one case must have */
     double begin_s;
 };
 
@@ -150,6 +153,7 @@ static int read_file(struct tests *t, int i)
     if (f)
         (void)fclose(f);
     int status = 0;
+    t->identity = jobs_run_on(t->identity, text, bad ? 0 : n);
     if (bad)
         status = options_misuse(t->o->usage, "cannot read %s: %s", path, strerror(error));
     else if (!trial_parse(path, text, n, load_scene, t->trial[i], why))
@@ -161,11 +165,34 @@ static int read_file(struct tests *t, int i)
     return status ? status : take_inputs(t, t->trial[i]);
 }
 
+/* Names what the shares have in common: files, requirements, and the options that decide the cases. */
+static uint32_t identify_all(const struct tests *t)
+{
+    uint32_t id = t->identity;
+    for (int i = 0; i < t->o->n_words; i++)
+        id = jobs_run_on(id, t->o->word[i], strlen(t->o->word[i]) + 1);
+    for (int i = 0; i < t->requirements.n; i++)
+        id = jobs_run_on(id, t->requirements.entry[i].id, strlen(t->requirements.entry[i].id) + 1);
+    for (int i = 0; i < t->o->n_given; i++) {
+        const struct given *g = &t->o->given[i];
+        bool decides = g->option->kind != OPTION_WRITES && g->option->kind != OPTION_READS &&
+                       g->option->kind != OPTION_FOLDER && strcmp(g->option->name, "shard") != 0 &&
+                       strcmp(g->option->name, "cores") != 0;
+        if (!decides)
+            continue;
+        id = jobs_run_on(id, g->option->name, strlen(g->option->name) + 1);
+        id = jobs_run_on(id, g->text ? g->text : "", g->text ? strlen(g->text) + 1 : 0);
+    }
+    return id;
+}
+
 /* The cases of --shard stay, and their runs get their numbers. */
 static int take_share(struct tests *t)
 {
-    struct jobs_share s = {.end = 0};
-    int status = jobs_read_shard(t->o, t->n_reports, &s);
+    struct share s = {.end = 0};
+    int status = share_take(t->o, t->n_reports, &s);
+    if (!status && s.n > 1)
+        share_tell(t->o, &s, t->n_reports, "cases", identify_all(t), t->share);
     t->n_reports = s.end - s.first;
     memmove(t->report, t->report + s.first, (size_t)t->n_reports * sizeof t->report[0]);
     t->n_runs = 0;
@@ -387,11 +414,11 @@ static bool lose(void *taker, int run, int status)
 
 /* The file of this option, if it was given. */
 static bool write_report(const struct tests *t, const char *option,
-                         bool (*write)(const char *path, const struct report_case *r, int n,
-                                       const struct requirements *untraced))
+                         bool (*write)(const char *path, const struct report *r))
 {
     const char *path = options_text(t->o, option, 0);
-    bool written = !path || write(path, t->report, t->n_reports, &t->untraced);
+    const struct report r = {t->report, t->n_reports, &t->untraced, t->share};
+    bool written = !path || write(path, &r);
     if (!written)
         options_failure(t->o->usage, "--%s %s cannot be written: %s", option, path, strerror(errno));
     return written;

@@ -217,6 +217,11 @@ with tempfile.TemporaryDirectory() as top:
         used.setdefault(words.split()[0], set()).update(w[2:] for w in words.split() if w.startswith("--"))
     away = next(os.path.join(d, f) for d, _, fs in os.walk(top) for f in fs if f.startswith("away") and f.endswith(".log"))
     run(["decode", away, "rig", *"--out d.csv --events e.csv --svg d.svg --report d.html".split()], folder_of("away"))
+    folder = folder_of("merged")
+    for i in "12":
+        run(["random", "nayak-random", *"--seeds 2 --over 40 --shard".split(), i + "/2", "--out", "p%s.csv" % i], folder)
+    run("merge m.csv p1.csv p2.csv".split(), folder)
+    used.setdefault("merge", set())
     used.setdefault("demo", set()).add("report")  # of the demonstration in real time: tests/scope/test_report.py
     for name in names:
         missing = options[name] - used.get(name, set())

@@ -18,7 +18,7 @@ firmware/main host_sim/cli
 host_sim/scene host_sim/database
 host_sim/report host_sim/afm host_sim/plants host_sim/listen host_sim/help
 host_sim/maps host_sim/replay
-host_sim/live host_sim/choose host_sim/fit host_sim/view
+host_sim/merge host_sim/live host_sim/choose host_sim/fit host_sim/view
 host_sim/trial host_sim/library
 host_sim/simulate host_sim/fmu host_sim/scope
 host_sim/run host_sim/demo

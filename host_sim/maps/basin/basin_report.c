@@ -19,8 +19,8 @@ static int sort_rows(struct report *r)
     const struct usage *u = r->b->m.o.usage;
     for (int i = 0; i < r->n; i++) {
         if (r->row[i].start != i)
-            return options_misuse(u, "%s:%d: not the next start; join all shards in their order", r->path,
-                                  i + 2);
+            return options_misuse(u, "%s:%d: not the next start; join all shares by contactplant merge",
+                                  r->path, i + 2);
         r->row[i].attractor = basin_clusters_add(&r->clusters, &r->row[i].motion);
         if (r->row[i].attractor == -2)
             return options_misuse(

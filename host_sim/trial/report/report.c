@@ -141,18 +141,20 @@ static void junit_suite(FILE *f, const struct report_case *r, int n)
     xml_put(f, " </testsuite>\n");
 }
 
-bool report_junit(const char *path, const struct report_case *r, int n, const struct requirements *untraced)
+bool report_junit(const char *path, const struct report *r)
 {
-    (void)untraced; /* JUnit has cases alone */
     FILE *f = files_compose(path);
     if (!f)
         return false;
-    xml_put(f, XML_HEAD "<testsuites name='contactplant'");
-    junit_counts(f, r, n);
-    for (int i = 0, k; i < n; i = k) {
-        for (k = i + 1; k < n && r[k].trial == r[i].trial;)
+    xml_put(f, XML_HEAD);
+    if (*r->share)
+        xml_put(f, "<?contactplant %s?>\n", r->share);
+    xml_put(f, "<testsuites name='contactplant'");
+    junit_counts(f, r->of, r->n);
+    for (int i = 0, k; i < r->n; i = k) {
+        for (k = i + 1; k < r->n && r->of[k].trial == r->of[i].trial;)
             k++;
-        junit_suite(f, &r[i], k - i);
+        junit_suite(f, &r->of[i], k - i);
     }
     xml_put(f, "</testsuites>\n");
     return files_finish(f, true);
@@ -188,19 +190,22 @@ static void json_case(struct json *j, const struct report_case *r)
     json_put(j, "]}");
 }
 
-bool report_json(const char *path, const struct report_case *r, int n, const struct requirements *untraced)
+bool report_json(const char *path, const struct report *r)
 {
     struct json j;
     FILE *f = files_compose(path);
     if (!f)
         return false;
     json_begin_file(&j, f);
-    json_put(&j, "{'cases': [");
-    for (int i = 0; i < n; i++)
-        json_case(&j, &r[i]);
+    json_put(&j, "{");
+    if (*r->share)
+        json_put(&j, "'share': %s, ", r->share);
+    json_put(&j, "'cases': [");
+    for (int i = 0; i < r->n; i++)
+        json_case(&j, &r->of[i]);
     json_put(&j, "\n], 'untraced': [");
-    for (int i = 0; i < untraced->n; i++)
-        json_item(&j, "%s", untraced->entry[i].id);
+    for (int i = 0; i < r->untraced->n; i++)
+        json_item(&j, "%s", r->untraced->entry[i].id);
     json_put(&j, "]}\n");
     return files_finish(f, true);
 }

@@ -25,8 +25,15 @@ extern const char *const report_verdict[];
  * which a command that runs the case again must have. */
 void report_print(FILE *out, const struct report_case *r, const char *options);
 
-/* The whole report. `untraced`: requirements that no case names. False: it could not be written. */
-bool report_junit(const char *path, const struct report_case *r, int n, const struct requirements *untraced);
-bool report_json(const char *path, const struct report_case *r, int n, const struct requirements *untraced);
+struct report {
+    const struct report_case *of; /* [n] */
+    int n;
+    const struct requirements *untraced; /* that no case names */
+    const char *share;                   /* the line that tells it (host_sim/maps/share.h), or "" */
+};
+
+/* The whole report. contactplant merge reads it line by line. False: it could not be written. */
+bool report_junit(const char *path, const struct report *r);
+bool report_json(const char *path, const struct report *r);
 
 #endif

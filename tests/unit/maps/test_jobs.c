@@ -2,6 +2,7 @@
  * file depend on neither cores, shards nor interruptions. */
 #include "host_sim/commands.h"
 #include "host_sim/maps/jobs.h"
+#include "host_sim/version.h"
 #include "tests/unit/test.h"
 
 #include <fcntl.h>
@@ -105,6 +106,14 @@ static void clear(void)
     rmdir(jobs_directory);
 }
 
+/* Adds the lines of a share between the two that begin with #. */
+static void add_rows(char *joined, const char *part)
+{
+    const char *rows = strchr(part, '\n'), *last = strstr(part, "# complete: ");
+    if (rows && last)
+        strncat(joined, rows + 1, (size_t)(last - rows - 1));
+}
+
 TEST(jobs_order)
 {
     char one[BYTES], three[BYTES], expected[BYTES], rows[BYTES];
@@ -135,9 +144,9 @@ TEST(jobs_shards)
         sprintf(shard, "%d/4", i);
         check_int(shard, run_jobs("a", jobs_file, shard, "2", none), STATUS_DONE);
         read_text(jobs_file, part);
-        strcat(joined, part);
+        add_rows(joined, part);
     }
-    check_string("four shards concatenate to the whole file", text, joined);
+    check_string("the rows of four shards are the whole file", text, joined);
     check_int("the file of another shard is refused", run_jobs("a", jobs_file, "2/4", "2", none),
               STATUS_MISUSED);
     static const char *const wrong[] = {"0/4",  "5/4", "1",    "1/",  "/4",           "24/23",
@@ -149,7 +158,7 @@ TEST(jobs_shards)
     clear();
 }
 
-/* More shards than jobs: some files have no row, and all of them concatenate to the whole one. */
+/* More shards than jobs: some files have no row, and all of them together have those of the whole one. */
 TEST(jobs_empty_shards)
 {
     enum { SHARDS = 3 * N_JOBS + 1 };
@@ -162,14 +171,48 @@ TEST(jobs_empty_shards)
         failed += run_jobs("a", jobs_file, shard, "1", none) != STATUS_DONE;
         failed +=
             run_jobs("a", jobs_file, shard, "1", none) != STATUS_DONE; /* gone on with, complete as it is */
-        empty += access(jobs_file, F_OK) == 0 && read_text(jobs_file, part) == 0;
         read_text(jobs_file, part);
-        strcat(joined, part);
+        empty += strstr(part, "\n# complete: 0 rows\n") != NULL;
+        add_rows(joined, part);
     }
     check_int("shards that failed", failed, 0);
-    check_int("files without a byte: all that have no job, but the first, which has the header", empty,
-              SHARDS - N_JOBS - 1);
-    check_string("they concatenate to the whole file", text, joined);
+    check_int("complete without a row: all that have no job", empty, SHARDS - N_JOBS);
+    check_string("their rows are the whole file", text, joined);
+    clear();
+}
+
+/* A share tells itself before its rows, and with its last line that it is whole. Cut off anywhere it goes on
+ * to the same bytes; without a row, or with rows that the last line does not count, it is refused. */
+TEST(jobs_share_lines)
+{
+    char text[BYTES], part[BYTES], again[BYTES], first[200];
+    int failed = 0, wrong = 0, taken = 0;
+    whole_run(text);
+    unlink(jobs_file);
+    check_int("the second of four", run_jobs("a", jobs_file, "2/4", "2", none), STATUS_DONE);
+    size_t n = read_text(jobs_file, part);
+    snprintf(first, sizeof first, "# share 2/4 of 23 jobs, run e40c292c, contactplant %s: contactplant test",
+             VERSION_TEXT);
+    check_true(first, !strncmp(part, first, strlen(first)));
+    check_true("its rows are counted", strstr(part, "\n# complete: 12 rows\n") != NULL);
+    for (size_t at = 0; at < n; at++) {
+        write_text(jobs_file, part, at);
+        failed += run_jobs("a", jobs_file, "2/4", "2", none) != STATUS_DONE;
+        read_text(jobs_file, again);
+        wrong += strcmp(part, again) != 0;
+    }
+    check_int("cut off at any byte, not gone on with", failed, 0);
+    check_int("to other bytes", wrong, 0);
+    for (char *row = strchr(part, '\n') + 1; *row != '#'; row = strchr(row, '\n') + 1) {
+        size_t end = strcspn(row, "\n") + 1;
+        snprintf(again, sizeof again, "%.*s%s", (int)(row - part), part, row + end);
+        write_text(jobs_file, again, strlen(again));
+        taken += run_jobs("a", jobs_file, "2/4", "2", none) != STATUS_MISUSED;
+    }
+    check_int("without one of its rows, taken", taken, 0);
+    snprintf(again, sizeof again, "%s%s", part, strchr(part, '\n') + 1);
+    write_text(jobs_file, again, strlen(again));
+    check_int("more behind the last line", run_jobs("a", jobs_file, "2/4", "2", none), STATUS_MISUSED);
     clear();
 }
 

@@ -823,8 +823,9 @@ TEST(sweep_shards)
         snprintf(arguments, sizeof arguments, FAMILY " --shard=%d/3", i);
         check_int(arguments, sweep(arguments), STATUS_DONE);
         read_out(part);
-        strcat(joined, part);
+        const char *rows = strchr(part, '\n') + 1, *last = strstr(part, "# complete: ");
+        strncat(joined, rows, last ? (size_t)(last - rows) : 0);
     }
-    check_string("three shards concatenate to the whole", whole, joined);
+    check_string("the rows of three shards are the whole", whole, joined);
     end();
 }
