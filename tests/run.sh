@@ -109,6 +109,9 @@ if all; then
     need chromium chromium
     need verilator verilator
     need gwyddion gwyddion
+    need /usr/sbin/slurmctld slurm-wlm
+    need /usr/sbin/munged munge
+    need parallel parallel
     ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 fi
 install=
@@ -287,6 +290,7 @@ more compute "a PLL in Verilog on the microscope" tests/verilog/test_verilog.sh 
 more compute "instructions within their budgets" tests/bench/cost/test_instructions.sh
 more compute "a new model in a file pair and a row" tests/new_model/new_model.sh
 more compute "the hardest ticks, far from every bound" build/worst
+more compute "shares on a real Slurm, and by GNU parallel" /usr/bin/python3 tests/cli/test_slurm.py build/contactplant
 more compute "logs and messages in Wireshark" /usr/bin/python3 tests/cli/test_wireshark.py build/contactplant
 more compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py build/dbc_vectors docs/reference/contactplant.dbc \
     docs/reference/protocol.md docs/reference/message_tables.md docs/reference/numbers.md docs/reference/settings.md
