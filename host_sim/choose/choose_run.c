@@ -140,12 +140,10 @@ static void observe(const struct plant *pl, const struct scene *s, double shape[
         r->modes[k] = fmax(r->modes[k], fabs(q[k]));
 }
 
-/* Part of a frame ahead, by a copy: the plant itself never stops there. */
-static bool look(struct runner *o, const struct scene *s, uint64_t part, struct choose_record *r)
+/* Part of a tick ahead, in TICK_FRACTIONS, by a copy: the plant itself never stops there. */
+static bool look(struct runner *o, const struct scene *s, uint32_t part, struct choose_record *r)
 {
-    uint64_t fractions = part * (uint64_t)s->substeps;
-    const struct instant to = {o->plant.now.tick + fractions / TICK_FRACTIONS,
-                               (uint32_t)(fractions % TICK_FRACTIONS)};
+    const struct instant to = {o->plant.now.tick, part};
     o->ahead = o->plant;
     o->ahead.scratch = o->scratch_ahead;
     memcpy(o->scratch_ahead, o->scratch, o->n_scratch * sizeof *o->scratch);
@@ -155,8 +153,8 @@ static bool look(struct runner *o, const struct scene *s, uint64_t part, struct 
     return true;
 }
 
-/* The ticks of a frame, each looked at in a reduced model: as a watch sees them. A lever's ticks near
- * the sample are counted. */
+/* Ticks of a frame, each looked at in a reduced model: as a watch sees them. A lever's ticks near the sample
+ * are counted. */
 static bool go_ticks(struct runner *o, uint64_t ticks, struct choose_record *r)
 {
     struct plant *pl = &o->plant;
@@ -173,15 +171,26 @@ static bool go_ticks(struct runner *o, uint64_t ticks, struct choose_record *r)
     return true;
 }
 
+/* As go_ticks, by the clock. */
+static bool go_to(struct runner *o, uint64_t tick, struct choose_record *r)
+{
+    double begin_s = clock_now_s();
+    bool good = go_ticks(o, tick - o->plant.now.tick, r);
+    r->ns += (clock_now_s() - begin_s) * 1e9;
+    return good;
+}
+
 static bool go_frame(struct runner *o, const struct scene *s, struct choose_record *r)
 {
-    for (int k = 0; k < r->looks - 1; k++)
-        if (!look(o, s, look_of(k, r->looks), r))
+    uint64_t begin = o->plant.now.tick;
+    for (int k = 0; k < r->looks - 1; k++) {
+        uint64_t fractions = look_of(k, r->looks) * (uint64_t)s->substeps;
+        if (!go_to(o, begin + fractions / TICK_FRACTIONS, r) ||
+            !look(o, s, (uint32_t)(fractions % TICK_FRACTIONS), r))
             return false;
-    double begin_s = clock_now_s();
-    if (!go_ticks(o, (uint64_t)s->substeps, r))
+    }
+    if (!go_to(o, begin + (uint64_t)s->substeps, r))
         return false;
-    r->ns += (clock_now_s() - begin_s) * 1e9;
     observe(&o->plant, s, o->shape, r);
     r->n++;
     return true;
