@@ -102,7 +102,7 @@ static int scan(struct afm_demo *d)
         status = options_failure(b->usage, "out of memory");
     status = status ? status : afm_bench_engage(b);
     station_begin_scan(&b->station);
-    return status ? status : scan_run(b, &d->image, NULL);
+    return status ? status : scan_run(b, &d->image, NULL, NULL);
 }
 
 /* The middle line of the trace. */

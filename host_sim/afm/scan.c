@@ -9,6 +9,7 @@
 #include "host_sim/afm/gsf.h"
 #include "host_sim/afm/png.h"
 #include "host_sim/afm/scan_part.h"
+#include "host_sim/afm/volume.h"
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
@@ -20,6 +21,10 @@ static const struct option scan_options[] = {
      .many = true},
     {"surface", "FILE", "heights from a Gwyddion Simple Field (.gsf)", OPTION_READS, .initial = NULL},
     {"out", "DIR", "directory of the images (build/scan)", OPTION_FOLDER, .initial = "build/scan"},
+    {"volume", "DIR", "with peak force: curves of pixels (.tab), and their list", OPTION_FOLDER,
+     .initial = NULL},
+    {"every", "N", "pixels and lines from one curve to the next (8)", OPTION_INTEGER, 1, 65536,
+     .initial = "8"},
     {.name = NULL},
 };
 
@@ -40,6 +45,7 @@ static const struct usage scan_usage = {
         "  contactplant scan --set surface=2 --set ki=3000     # too fast: z swings, tip and lines crash\n"
         "  contactplant scan --set peak_force=\"5 nN\" --set ticks=2 --set map=2 --set map_modulus=\"200 "
         "MPa\"\n"
+        "  contactplant scan --set peak_force=\"5 nN\" --set ticks=2 --volume build/volume --every 16\n"
         "  contactplant scan soft --set z_loop=2 --set drive=0 --set setpoint=\"2 nm\" --set surface=4\n",
     .min_words = 0,
     .max_words = 1,
@@ -142,7 +148,7 @@ static int after_pixel(struct afm_bench *b, const struct scan_image *m, struct s
                 : 0;
 }
 
-int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
+int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part, struct volume *volume)
 {
     struct station *s = &b->station;
     double begin_s = clock_now_s(), told_s = begin_s;
@@ -151,6 +157,8 @@ int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
     clock_catch_signals();
     while (s->scanned < all && !status) {
         status = afm_bench_run(b, 1);
+        if (!status && volume)
+            status = volume_take(volume);
         if (status || !s->pixel_ready)
             continue;
         keep_pixel(m, &s->pixel, b->number[STATION_PEAK_FORCE]);
@@ -302,7 +310,7 @@ static int check_images(struct afm_bench *b)
 }
 
 /* From the beginning, or from where it was cut off. */
-static int run_scan(struct afm_bench *b, struct scan_image *m, struct scan_part *part)
+static int run_scan(struct afm_bench *b, struct scan_image *m, struct scan_part *part, struct volume *volume)
 {
     bool found = false;
     int status = scan_part_open(part, b, options_text(&b->o, "out", 0));
@@ -317,8 +325,9 @@ static int run_scan(struct afm_bench *b, struct scan_image *m, struct scan_part 
         status = afm_bench_engage(b);
     if (!found)
         station_begin_scan(&b->station);
-    status = status ? status : scan_run(b, m, part);
-    return status ? status : write_images(b, m);
+    status = status ? status : scan_run(b, m, part, volume);
+    status = status ? status : write_images(b, m);
+    return status ? status : volume_end(volume, m);
 }
 
 int cmd_scan(int argc, char **argv)
@@ -326,6 +335,7 @@ int cmd_scan(int argc, char **argv)
     static struct afm_bench b;
     static struct scan_image image;
     static struct scan_part part;
+    static struct volume volume;
     char verdict[SCAN_VERDICT];
     int status;
     part.lock = -1;
@@ -343,12 +353,14 @@ int cmd_scan(int argc, char **argv)
     if (!status && !scan_alloc(&image, b.number))
         status = options_failure(&scan_usage, "no memory for %.0f pixels in %.0f lines; give fewer",
                                  b.number[STATION_PIXELS], b.number[STATION_LINES]);
-    status = status ? status : run_scan(&b, &image, &part);
+    status = status ? status : volume_open(&volume, &b);
+    status = status ? status : run_scan(&b, &image, &part, &volume);
     if (!status) {
         scan_verdict(&b, &image, verdict);
         puts(verdict);
         scan_part_end(&part);
     }
+    volume_free(&volume);
     scan_free(&image);
     afm_bench_free(&b);
     return status;

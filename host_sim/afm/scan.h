@@ -30,9 +30,10 @@ bool scan_alloc(struct scan_image *m, const double *number);
 void scan_free(struct scan_image *m);
 
 /* Runs the image from where it is, with progress on stderr. `part`: keeps it now and then, and when it is
- * interrupted; or NULL. station_begin_scan comes before. */
+ * interrupted; or NULL. `volume`: takes curves; or NULL. station_begin_scan comes before. */
 struct scan_part;
-int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part);
+struct volume;
+int scan_run(struct afm_bench *b, struct scan_image *m, struct scan_part *part, struct volume *volume);
 
 /* One line about it: largest force, crashes, share of pixels off the surface, error, the piezo's limit. */
 enum { SCAN_VERDICT = 400 };

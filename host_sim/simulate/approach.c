@@ -7,9 +7,8 @@
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
+#include "host_sim/afm/force_curve.h"
 #include "host_sim/cli/options.h"
-#include "host_sim/library/contactplant.h"
-#include "host_sim/out/json.h"
 #include "host_sim/report/figure.h"
 #include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_app.h"
@@ -178,31 +177,20 @@ static int write_rows(struct approach *a)
     return options_close(&a->o, "out", f, NULL);
 }
 
-/* The tab-separated form of afmformats: metadata as JSON in comments, the last comment names the columns. The
- * force is what an instrument has, stiffness times deflection. */
 static int write_tab(struct approach *a)
 {
-    double speed = options_number(&a->o, "speed"), k = a->si[LEVER_K];
     double time = (double)(a->ticks / a->n) * a->plant.tick_s / a->plant.dilation;
-    struct json j;
     FILE *f = options_compose(&a->o, "tab");
     if (!f)
         return STATUS_FAILED;
-    json_begin_file(&j, f);
-    fprintf(f, "# contactplant %s\n# BEGIN METADATA\n", contactplant_version());
-    json_put(&j, "# {\n#   'duration': %n,\n#   'feedback mode': 'contact',\n", 2.0 * (double)a->n * time);
-    json_put(&j, "#   'imaging mode': 'force-distance',\n#   'point count': %u,\n", (uint64_t)(2 * a->n));
-    json_put(&j, "#   'session id': 'contactplant',\n#   'software': 'contactplant',\n");
-    json_put(&j, "#   'software version': %s,\n#   'speed approach': %n,\n#   'speed retract': %n,\n",
-             contactplant_version(), speed, speed);
-    json_put(&j, "#   'spring constant': %n,\n#   'z range': %n\n# }\n", k, a->top - a->low);
-    fprintf(f, "# END METADATA\n"
-               "# force\theight (measured)\theight (piezo)\tindex\tsegment\ttime\ttip position\n");
-    for (size_t i = 0; i < 2 * a->n; i++) {
-        double base = a->row[BASE][i], deflection = a->row[DEFLECTION][i];
-        fprintf(f, "%.8g\t%.8g\t%.8g\t%zu\t%s\t%.8g\t%.8g\n", k * deflection, base, base, i,
-                i >= a->n ? "True" : "False", ((double)i + 0.5) * time, base + deflection);
-    }
+    force_curve_write(f, &(struct force_curve){.n = 2 * a->n,
+                                               .base = a->row[BASE],
+                                               .deflection = a->row[DEFLECTION],
+                                               .step_s = time,
+                                               .begin_s = 0.5 * time,
+                                               .speed = options_number(&a->o, "speed"),
+                                               .z_range = a->top - a->low,
+                                               .stiffness = a->si[LEVER_K]});
     return options_close(&a->o, "tab", f, NULL);
 }
 

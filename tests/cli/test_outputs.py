@@ -100,6 +100,7 @@ def cases():
         "soft --points 20 --to 10e-9 --out a.csv --svg a.svg --tab a.tab",
         "soft --points 20 --speed 1e-5"))
     yield "scan", "--set pixels=16 --set lines=4 --out images".split()
+    yield "scan", "--set pixels=16 --set lines=4 --set peak_force=5e-9 --set ticks=2 --out images --volume curves".split()
     yield "scan", "--set pixels=16 --set lines=4 --set surface=2 --set ki=3000 --out images".split()
     yield "thermal", "--seconds 0.3 --out t.csv --svg t.svg".split()
     yield "thermal", "soft --seconds 0.2 --set modes=4 --out t.csv --svg t.svg".split()

@@ -6,9 +6,11 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
 from verdicts import conclude, verdict  # noqa: E402
@@ -66,6 +68,51 @@ def test_pll():
     # noise bandwidth of L = a/(s (1 + s T)^2): a/(4 (1 - a T/2))
     expected = 0.25 * density * rate / (1.0 - 0.5 * rate / pole)
     near("heat: square of the frequency's noise in 1 s, Hz^2 s", found["ise"], expected, 4.0 * expected * math.sqrt(2.0 / rate))
+
+
+def scan(folder, *more):
+    swing = "--set peak_force=5e-9 --set ticks=2 --set quality=20 --set temperature=0 --set surface=0 --set lines=16 --set pixels=16".split()
+    return subprocess.Popen([program, "scan", *swing, "--out", folder + "/images", "--volume", folder + "/curves", "--every", "4", *more],
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory)
+
+
+def contents(folder):
+    found = {}
+    for place, _, names in os.walk(os.path.join(directory, folder)):
+        for name in names:
+            with open(os.path.join(place, name), "rb") as f:
+                found[os.path.relpath(os.path.join(place, name), os.path.join(directory, folder))] = f.read()
+    return found
+
+
+def test_volume():
+    """A force volume: its list and a curve beside the law of the tip; a scan that is cut off goes on to the same bytes."""
+    for folder in ("whole", "cut"):
+        os.mkdir(os.path.join(directory, folder))
+    whole = scan("whole")
+    whole.wait(timeout=300)
+    cut = scan("cut")
+    while cut.poll() is None and not os.path.exists(os.path.join(directory, "cut/curves/curve_00004_00000.tab")):
+        time.sleep(0.01)
+    cut.send_signal(signal.SIGINT)
+    cut.wait(timeout=300)
+    again = scan("cut")
+    _, told = again.communicate(timeout=300)
+    verdict("a scan with curves that is cut off goes on", cut.returncode == 1 and again.returncode == 0 and "goes on in line" in told, told)
+    verdict("  to the same bytes", contents("whole") == contents("cut") and len(contents("whole")) > 16, sorted(contents("whole")))
+    rows = [r.split(",") for r in contents("whole")["curves/volume.csv"].decode().splitlines()]
+    verdict("volume.csv: 16 curves", len(rows) == 17, rows[0])
+    middle = dict(zip(rows[0], rows[10]))
+    near("modulus, Pa", float(middle["modulus_Pa"]), 1e9, 2e7)
+    near("adhesion H R/(6 a0^2), N", float(middle["adhesion_N"]), HAMAKER * RADIUS / (6 * A0 * A0), 0.01 * 3.918e-9)
+    points = [line.split("\t") for line in contents("whole")["curves/" + middle["file"]].decode().splitlines() if not line.startswith("#")]
+    forces = [float(p[0]) for p in points]
+    near("a curve: points in a cycle of 2 kHz", len(points), 70e3 * 32 / 2e3, 0)
+    near("a curve: half of it retracts", sum(p[4] == "True" for p in points), len(points) / 2, 0)
+    depth = (0.75 * (float(middle["peak_force_N"]) + HAMAKER * RADIUS / (6.0 * A0 * A0)) / (1e9 * math.sqrt(RADIUS))) ** (2.0 / 3.0)
+    near("a curve: deepest tip, a0 - indentation of the peak, m", min(float(p[6]) for p in points), A0 - depth, 0.02e-9)
+    far = sum(forces[:100]) / 100
+    near("a curve: far from the sample, N", far, 0.0, 0.3e-9)
 
 
 def contact_resonance(modulus):
@@ -199,6 +246,6 @@ def test_stages():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_examples, test_stages, test_z, test_pll, test_dart, test_hop, test_runs, test_bus, test_mistakes):
+    for part in (test_examples, test_stages, test_z, test_pll, test_dart, test_volume, test_hop, test_runs, test_bus, test_mistakes):
         part()
 conclude()
