@@ -241,6 +241,7 @@ stage waits "outputs and inputs of every command" /usr/bin/python3 tests/cli/tes
 stage waits "recorded logs in the scope: rows, gaps, events, bad input" /usr/bin/python3 tests/scope/test_view.py build/contactplant
 more speak "the scope under the sanitizers: rows, bad requests, slow browsers" /usr/bin/python3 tests/scope/test_scope.py build/asan/contactplant
 more waits "the scope's page in Chromium" /usr/bin/python3 tests/scope/test_page.py build/contactplant
+more compute "a recorded log of 1 GB: memory, and values equal to those of decode" /usr/bin/python3 tests/scope/test_view_long.py build/contactplant
 more waits "recorded logs in Chromium" /usr/bin/python3 tests/scope/test_view_page.py build/contactplant
 more waits "reports in Chromium" /usr/bin/python3 tests/scope/test_report.py build/contactplant
 stage waits "tests of controllers" /usr/bin/python3 tests/trial/test_trial.py build

@@ -120,6 +120,8 @@ static enum compare_verdict tell_outside(const struct compare *c, int i, const s
     const double value[2] = {a->value[i], b->value[i]}, apart = fabs(value[0] - value[1]);
     const char *unit = decode_signal(m, i)->unit;
     char name[DECODE_NAME], how[COMPARE_TEXT];
+    if (c->part_s)
+        *c->part_s = a->t_s;
     decode_name(m, i, name);
     if (isnan(apart))
         tell_alone(c, value, unit, how);

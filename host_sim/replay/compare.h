@@ -17,7 +17,8 @@ struct compare {
     double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
     uint64_t zero;                    /* tick of the second log that is tick 0 of the first one */
     uint64_t end;                     /* the last tick that is compared; UINT64_MAX: all */
-    bool gaps;                        /* rows and outputs that one of them has not are passed over */
+    double *part_s; /* NULL, or where the plant time goes at which a value of both leaves its tolerance */
+    bool gaps;      /* rows and outputs that one of them has not are passed over */
 };
 
 /* Compares the rows of equal ticks, where plant time runs. text[COMPARE_TEXT]: the row in which they part,

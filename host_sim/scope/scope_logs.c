@@ -40,8 +40,10 @@ static int serve(struct hub *h, struct view *v, const struct options *o)
     int status = hub_open(h, o, at ? at : SCOPE_AT);
     clock_catch_signals();
     double end = clock_now_s() + duration;
-    while (!status && !clock_interrupted() && !(duration > 0.0 && clock_now_s() >= end))
+    while (!status && !clock_interrupted() && !(duration > 0.0 && clock_now_s() >= end)) {
+        view_turn(v);
         hub_turn(h);
+    }
     return status;
 }
 

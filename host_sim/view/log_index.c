@@ -247,6 +247,37 @@ static int read_rows(struct log_index *x)
     return got;
 }
 
+static void free_block(struct log_block *b)
+{
+    if (b)
+        free(b->bin);
+    free(b);
+}
+
+/* The reason why read_rows has ended so. */
+static const char *reason_of(struct log_index *x, int got)
+{
+    const char *why = got == -1 ? x->walk.log.log.reader.reason : "out of memory";
+    snprintf(x->why, sizeof x->why, "%s", why);
+    return got == 0 ? NULL : x->why;
+}
+
+const char *log_index_more(struct log_index *x)
+{
+    struct log_walk_place place;
+    struct log_block *b = x->n_blocks ? x->block[x->n_blocks - 1] : NULL;
+    if (!b)
+        return NULL;
+    place = b->place;
+    x->rows -= b->rows;
+    x->n_blocks--;
+    free_block(b);
+    free_block(x->open);
+    log_cell_begin(&x->next);
+    int got = !log_walk_go(&x->walk, &place) ? -1 : begin_block(x) ? read_rows(x) : -2;
+    return reason_of(x, got);
+}
+
 const char *log_index_open(struct log_index *x, const char *path, const char *interface,
                            const struct wire_scene *scene, double tick_s)
 {
@@ -257,12 +288,10 @@ const char *log_index_open(struct log_index *x, const char *path, const char *in
     x->step = UINT64_MAX;
     log_cell_begin(&x->next);
     int got = begin_block(x) ? read_rows(x) : -2;
-    if (got == 0)
-        return NULL;
-    why = got == -1 ? x->walk.log.log.reader.reason : "out of memory";
-    snprintf(x->why, sizeof x->why, "%s", why);
-    log_index_close(x);
-    return x->why;
+    why = reason_of(x, got);
+    if (why)
+        log_index_close(x);
+    return why;
 }
 
 bool log_index_run(const struct log_index *x, unsigned run, size_t *first, size_t *end)
@@ -278,13 +307,6 @@ bool log_index_run(const struct log_index *x, unsigned run, size_t *first, size_
     while (*end < x->n_blocks && x->block[*end]->run == run)
         ++*end;
     return *end > *first;
-}
-
-static void free_block(struct log_block *b)
-{
-    if (b)
-        free(b->bin);
-    free(b);
 }
 
 void log_index_close(struct log_index *x)

@@ -77,6 +77,9 @@ struct log_index {
 const char *log_index_open(struct log_index *x, const char *path, const char *interface,
                            const struct wire_scene *scene, double tick_s);
 
+/* Reads on where the file has grown: its last block again, and what follows. NULL, or the reason. */
+const char *log_index_more(struct log_index *x);
+
 /* Bin i of a level of a block. */
 void log_block_cell(const struct log_block *b, int level, int i, struct log_cell *c);
 

@@ -2,13 +2,18 @@
 #include "host_sim/view/view.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include "host_sim/cli/clock.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/version.h"
 
 enum { VIEW_CONTRACT = 1, RUNS_TOLD = 1000, NUMBER_TEXT = 32 };
+
+static const double look_every_s = 0.5;
 
 static const char *const mark_name[LOG_MARKS] = {
     [LOG_MARK_TOUCHDOWN] = "touchdown", [LOG_MARK_LIFTOFF] = "liftoff", [LOG_MARK_REFUSAL] = "refusal",
@@ -104,9 +109,10 @@ static void put_log(struct view *v, struct json *j)
                   x->walk.log.rows.missing,
                   x->step == UINT64_MAX ? (double)NAN : (double)x->step * x->tick_s);
         put_runs(j, x);
+        json_item(j, "'lost':%s", v->log[i].lost ? v->log[i].lost : "");
         json_put(j, "}");
     }
-    json_put(j, "]}");
+    json_put(j, "],'follows':%b,'compared':%s,'part':%t}", v->follows, v->compared, v->part_s);
 }
 
 /* ---- rows and marks ---- */
@@ -324,6 +330,16 @@ enum view_status view_answer(struct view *v, const char *target, const char *que
 
 /* ---- opening ---- */
 
+/* Which file stands there, and its size. False: none. */
+static bool look_at(const struct view_log *l, uint64_t *file, uint64_t *bytes)
+{
+    struct stat s;
+    bool there = stat(l->path, &s) == 0;
+    *file = there ? (uint64_t)s.st_ino : 0;
+    *bytes = there ? (uint64_t)s.st_size : 0;
+    return there;
+}
+
 static int open_log(struct view *v, const struct options *o, int i)
 {
     struct view_log *l = &v->log[i];
@@ -336,8 +352,22 @@ static int open_log(struct view *v, const struct options *o, int i)
     v->n_logs++;
     if (!l->index.rows)
         return decode_no_rows(o, l->path);
-    decode_log_tell(&l->index.walk.log, o->usage->name);
+    if (options_count(o, "open") == 1) /* else compare_logs tells it */
+        decode_log_tell(&l->index.walk.log, o->usage->name);
+    (void)look_at(l, &l->file, &l->bytes);
     return 0;
+}
+
+static void compare(struct view *v, const struct options *o)
+{
+    struct compare c = {.command = o->usage->name,
+                        .scene = &v->scene,
+                        .end = UINT64_MAX,
+                        .part_s = &v->part_s,
+                        .path = {v->log[0].path, v->log[1].path}};
+    for (int i = 0; i < VIEW_LOGS; i++)
+        c.interface[i] = options_text(o, "interface", options_count(o, "interface") > 1 ? i : 0);
+    (void)compare_logs(&c, v->compared);
 }
 
 int view_open(struct view *v, const struct options *o)
@@ -345,9 +375,40 @@ int view_open(struct view *v, const struct options *o)
     int status = decode_scene(&v->scene, o, 0);
     if (!status && options_count(o, "open") > VIEW_LOGS)
         return options_misuse(o->usage, "--open may be given once or twice");
+    v->follows = options_given(o, "follow");
+    v->part_s = (double)NAN;
     for (int i = 0; i < options_count(o, "open") && !status; i++)
         status = open_log(v, o, i);
+    if (!status && v->n_logs == VIEW_LOGS)
+        compare(v, o);
     return status;
+}
+
+/* ---- a log that grows ---- */
+
+static void follow(struct view_log *l)
+{
+    uint64_t file = 0, bytes = 0;
+    if (!look_at(l, &file, &bytes))
+        l->lost = "the file is gone";
+    else if (file != l->file || bytes < l->bytes)
+        l->lost = "the file was replaced; open it anew";
+    else if (bytes > l->bytes)
+        l->lost = log_index_more(&l->index);
+    l->bytes = bytes;
+    if (l->lost)
+        fprintf(stderr, "contactplant scope: %s: %s\n", l->path, l->lost);
+}
+
+void view_turn(struct view *v)
+{
+    double now = clock_now_s();
+    if (!v->follows || now < v->looked_s + look_every_s)
+        return;
+    for (int i = 0; i < v->n_logs; i++)
+        if (!v->log[i].lost)
+            follow(&v->log[i]);
+    v->looked_s = clock_now_s();
 }
 
 void view_close(struct view *v)

@@ -11,6 +11,7 @@
 
 #include "host_sim/cli/options.h"
 #include "host_sim/out/json.h"
+#include "host_sim/replay/compare.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/view/log_range.h"
 
@@ -19,6 +20,8 @@ enum { VIEW_LOGS = 2 };
 struct view_log {
     const char *path;
     struct log_index index;
+    uint64_t file, bytes; /* number of the file and its size when it was read last */
+    const char *lost;     /* NULL, or why it cannot be followed any more */
 };
 
 struct view {
@@ -26,11 +29,19 @@ struct view {
     int n_logs;
     struct view_log log[VIEW_LOGS];
     struct log_range range;
+    bool follows;
+    double looked_s; /* when the files were looked at last; of the clock */
+    /* two logs: what compare says, and where they part; NaN: they do not, or no value of both does */
+    char compared[COMPARE_TEXT];
+    double part_s;
 };
 
 /* Opens the logs of --open, of this scene, and says on stderr what was passed over. All zero before. 0, or
  * the exit status after a line. */
 int view_open(struct view *v, const struct options *o);
+
+/* With --follow, twice a second: reads what the logs have more. */
+void view_turn(struct view *v);
 
 enum view_status { VIEW_DONE, VIEW_UNKNOWN, VIEW_BAD };
 

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
 import planted_log  # noqa: E402
@@ -176,6 +177,49 @@ def test_logs(log):
         equal("  which are alike", [a[k] == b[k] for k in "0123"], [True] * 4)
 
 
+def until(condition):
+    for _ in range(600):
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def test_two(log):
+    print("--- two logs", flush=True)
+    planted_log.write("a.log", 5000)
+    planted_log.write("b.log", 5000, beyond=[(3000, 3001)])
+    with Viewer(program, "--open", "a.log", "--open", "b.log") as v:
+        about = v.ask("log")
+        r = run("compare", "a.log", "b.log")
+        equal("they part where compare says", (about["compared"], about["part"]), (r.stdout.strip(), 3.0))
+        equal("the second one has its own ranges", [v.range(2.9, 3.1, log=i)["beyond"].count(1) for i in (0, 1)], [0, 1])
+    with Viewer(program, "--open", log, "--open", log) as v:
+        about = v.ask("log")
+        equal("equal logs", ("rows agree" in about["compared"], about["part"]), (True, None))
+
+
+def test_follow(log):
+    print("--- a log that grows", flush=True)
+    lines = read(log).splitlines(keepends=True)
+    half = len(lines) // 2
+    write("g.log", "".join(lines[:half]) + lines[half][:20])
+    with Viewer(program, "--open", log) as v:
+        rows, whole = v.ask("log")["logs"][0]["rows"], v.range(0.0, 1.5)
+    with Viewer(program, "--open", "g.log", "--follow") as v:
+        first = v.ask("log")["logs"][0]["rows"]
+        with open("g.log", "a") as f:
+            f.write(lines[half][20:])
+            f.write("".join(lines[half + 1:]))
+        verdict("it has all rows at last", until(lambda: v.ask("log")["logs"][0]["rows"] == rows), (first, rows, v.ask("log")))
+        got = v.range(0.0, 1.5)
+        equal("and shows what a whole log shows", [got[k] == whole[k] for k in ("bands", "rows", "closed", "state", "counts")], [True] * 5)
+        write("n.log", "".join(lines[:100]))
+        os.replace("n.log", "g.log")
+        verdict("a file that was replaced is told", until(lambda: "replaced" in v.ask("log")["logs"][0]["lost"]))
+    verdict("on the terminal, too, once", v.told.count("was replaced") == 1, v.told)
+
+
 def test_requests(log):
     print("--- requests", flush=True)
     with Viewer(program, "--open", log) as v:
@@ -202,6 +246,8 @@ try:
     test_values("t.a.log")
     test_gaps()
     test_logs("t.a.log")
+    test_two("t.a.log")
+    test_follow("t.a.log")
     test_requests("t.a.log")
 finally:
     end_all()

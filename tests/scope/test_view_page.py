@@ -177,6 +177,41 @@ def real(browser):
         tab.close()
 
 
+def two(browser):
+    """A second log that differs in one row, and a log that grows."""
+    planted_log.write("a.log", 3000)
+    planted_log.write("b.log", 3000, beyond=[(2000, 2001)])
+    with Viewer(program, "--open", "a.log", "--open", "b.log") as v:
+        tab = browser.open(v.url)
+        tab.wait("window.scope && scope.look().shown.asks > 0")
+        settle(tab)
+        check("where two logs part is said", "part at 2 s" in words(tab, "news"), words(tab, "news"))
+        tab.key("d")
+        tab.wait("scope.look().view.cursor === 2")
+        settle(tab)
+        check("d goes there", ink(tab, "0", 1.999, "red") != [] and ink(tab, "apart 0", 2.001, "purple") != [], view(tab))
+        check("and the difference is told", "0 m to 0 m" in words_of(tab, "apart 0"), words_of(tab, "apart 0"))
+        look(tab, "view_two")
+        check("no complaint in the console", not tab.errors, tab.errors or "")
+        tab.close()
+    with open("a.log") as f:
+        lines = f.readlines()
+    with open("g.log", "w") as f:
+        f.writelines(lines[:3000])
+    with Viewer(program, "--open", "g.log", "--follow") as v:
+        tab = browser.open(v.url)
+        tab.wait("window.scope && scope.look().shown.asks > 0")
+        with open("g.log", "a") as f:
+            f.writelines(lines[3000:])
+        tab.wait("scope.look().view.to > 2.99")
+        settle(tab)
+        check("a log that grows is followed", ink(tab, "0", 2.5) != [], view(tab))
+        os.replace("b.log", "g.log")
+        tab.wait("document.getElementById('alarm').textContent.includes('replaced')")
+        check("a file that was replaced is told", True)
+        tab.close()
+
+
 folder = tempfile.TemporaryDirectory()
 os.chdir(folder.name)
 try:
@@ -205,6 +240,7 @@ try:
         check("no complaint in the console", not tab.errors, tab.errors or "")
         tab.close()
         real(browser)
+        two(browser)
 finally:
     end_all()
 conclude()

@@ -15,7 +15,8 @@ const COUNTED = {refused: "refusal", overrun: "overrun", missing: "missing"};
 
 let about = null, panels = [], overview = null;
 const view = {run: null, from: 0, to: 1, cursor: NaN, marks: [], before: []};
-const shown = {range: null, whole: null, row: null, asks: 0, asked: ""};
+const FOLLOW_MS = 1000;
+const shown = {range: null, second: null, whole: null, row: null, asks: 0, asked: ""};
 
 /* ---- what is asked ---- */
 
@@ -49,13 +50,15 @@ function asker(question, take) {
 
 const pixels = () => clamp(panels[0]?.chart.columns() || 600, 16, PIXELS_MAX);
 const askRange = asker(async () => {
-  const began = performance.now(), r = await ask("range", {log: 0, from: view.from, to: view.to, pixels: pixels()});
+  const began = performance.now(), part = {from: view.from, to: view.to, pixels: pixels()};
+  const both = await Promise.all(about.logs.map((l, log) => hasRun(l) ? ask("range", {log, ...part}) : null));
   shown.took = performance.now() - began;
-  return r;
-}, (r) => {
-  shown.range = r, shown.asks++;
+  return both;
+}, ([r, second]) => {
+  shown.range = r, shown.second = second || null, shown.asks++;
   fitPanels();
 });
+const hasRun = (log) => log.runs.some((r) => r.run === view.run.run);
 const askRow = asker(() => finite(view.cursor) ? ask("row", {log: 0, at: view.cursor}) : null, (row) => shown.row = row);
 
 async function askWhole() {
@@ -125,6 +128,37 @@ function chooseRun(i) {
   askWhole();
 }
 
+/* Where the two logs part first. */
+function toPart() {
+  if (about.part === null)
+    return put("news", about.compared || "there is one log");
+  put("news", about.compared);
+  look(about.part - 20 * step(), about.part + 20 * step());
+  pointAt(about.part);
+}
+
+/* A log that grows: a view of its end goes with it. */
+async function follow() {
+  const before = view.run, atEnd = view.to >= before.to, now = await (await fetch("log")).json(), [log] = now.logs;
+  about = now;
+  listRuns(log);
+  alarm(now.logs.map((l) => l.lost && `${l.name}: ${l.lost}`).filter(Boolean).join(" "));
+  view.run = log.runs.find((r) => r.run === before.run) || log.runs[0];
+  if (view.run.to === before.to)
+    return;
+  const span = view.from <= before.from ? Infinity : view.to - view.from, {to} = view.run;
+  if (atEnd)
+    look(max(view.run.from, to - span), to, false);
+  askWhole();
+}
+
+function listRuns(log) {
+  put("news", `${log.rows} rows` + (log.missing ? `, ${log.missing} frames missing` : "") + (about.compared ? `; ${about.compared}` : ""));
+  find("run").replaceChildren(...log.runs.map((r, i) => new Option(`${i + 1} of ${log.runs.length}`, i)));
+  find("run").value = max(0, log.runs.findIndex((r) => r.run === view.run?.run));
+  find("run-label").hidden = log.runs.length < 2;
+}
+
 function setMark() {
   if (finite(view.cursor))
     view.marks.push(view.cursor), view.marks.sort((a, b) => a - b);
@@ -143,13 +177,15 @@ const unitOf = (k) => k === "speed" ? "m/s" : about.signals[k].unit;
 
 /* A panel for each signal of which there is something in view, or was. */
 function fitPanels() {
-  const all = new Set([...panels.map((p) => p.key), ...Object.keys(shown.range.bands)]);
-  const keys = ["lanes", ...about.signals.map((_, k) => String(k)), "speed"].filter((k) => k === "lanes" || all.has(k));
+  const all = new Set([...panels.map((p) => p.key), ...Object.keys(shown.range.bands), ...Object.keys(shown.second?.bands || {})]);
+  const apart = (k) => about.logs.length > 1 ? [k, "apart " + k] : [k];
+  const keys = ["lanes", ...about.signals.map((_, k) => String(k)), "speed"].filter((k) => k === "lanes" || all.has(k))
+    .flatMap((k) => k === "lanes" || k === "speed" ? k : apart(k));
   if (keys.join() === panels.map((p) => p.key).join())
     return;
   panels = keys.map((key) => {
     const canvas = make("canvas", {role: "img", ariaLabel: key});
-    return {key, canvas, chart: new Chart(canvas), ink: INKS[key % 4] || "red"};
+    return {key, canvas, chart: new Chart(canvas), ink: INKS[key % 4] || "red", draw: key === "lanes" ? lanesPanel : /apart/.test(key) ? apartPanel : signalPanel};
   });
   find("panels").replaceChildren(overview.canvas, ...panels.map((p) => p.canvas));
 }
@@ -210,16 +246,61 @@ function drawSignal(panel, r) {
     chart.line(r.row.map((row) => row[0]), rows, panel.ink, {steps: true});
   else if (rows)
     chart.points(r.row.map((row) => row[0]), rows, panel.ink);
+  else if (isSparse(r))
+    edgesOf(r, bands, (t, edge) => chart.points(t, edge, panel.ink, {size: 2}));
   else
     chart.band(low, high, panel.ink);
 }
 
+/* Pixels that see few phases of a fast motion: bands of them would show beats that do not exist. */
+const isSparse = (r) => r.size === 1 && r.rows.reduce((sum, n) => sum + n, 0) < 8 * r.rows.filter((n) => n).length;
+
+function edgesOf(r, bands, put) {
+  const t = Array.from({length: r.columns}, (_, i) => r.from + (i + 0.5) / r.columns * (r.to - r.from));
+  for (const edge of bands || [])
+    put(t, edge.map(nan));
+}
+
 const drawTouchdowns = (chart, marks) => chart.points(marks.map((m) => m.t), marks.map((m) => nan(m.speed)), "red", {size: 4});
 
+/* The second log: dashed edges of its bands, or small dots. */
+function drawSecond(chart, key, r) {
+  const rows = column(r, key), bands = r.bands[key];
+  if (rows)
+    return chart.points(r.row.map((row) => row[0]), rows, "red", {size: 2});
+  chart.c.setLineDash([5, 4]);
+  edgesOf(r, bands, (t, edge) => isSparse(r) ? chart.points(t, edge, "red", {size: 2}) : chart.line(t, edge, "red", {width: 1}));
+  chart.c.setLineDash([]);
+}
+
+/* [time, first minus second] of the rows of one tick. */
+function differences(key) {
+  const a = shown.range, b = shown.second, k = 6 + Number(key);
+  if (!a?.row || !b?.row)
+    return null;
+  const other = new Map(b.row.map((row) => [row[2], row[k]]));
+  return a.row.filter((row) => row[k] !== null && (other.get(row[2]) ?? null) !== null).map((row) => [row[0], row[k] - other.get(row[2])]);
+}
+
+function apartPanel(panel) {
+  const key = panel.key.slice(6), d = differences(key), [low, high] = extremes((d || []).map((p) => p[1])), title = signalName(key) + ", first minus second";
+  begin(panel, rangeOf(low, high), unitOf(key), title, 64);
+  if (d)
+    panel.chart.points(d.map((p) => p[0]), d.map((p) => p[1]), "purple");
+  else
+    panel.chart.say("zoom in: rows are compared one by one");
+  finish(panel);
+  panel.chart.end();
+  panel.canvas.ariaLabel = title + ": " + (!d ? "zoom in to see it" : d.length ? `${quantity(low, unitOf(key))} to ${quantity(high, unitOf(key))}` : "no rows of one tick");
+}
+
 function signalPanel(panel, r) {
-  const bands = r.bands[panel.key] || [[], []], [low, high] = extremes([...bands[0], ...bands[1]]), unit = unitOf(panel.key);
+  const bands = r.bands[panel.key] || [[], []], unit = unitOf(panel.key), more = shown.second?.bands[panel.key] || [[], []];
+  const [low, high] = extremes([...bands, ...more].flat());
   begin(panel, rangeOf(low, high), unit, signalName(panel.key), 96);
   drawSignal(panel, r);
+  if (shown.second)
+    drawSecond(panel.chart, panel.key, shown.second);
   finish(panel);
   const value = panel.key === "speed" ? NaN : nan(shown.row?.[6 + Number(panel.key)]), entries = [];
   if (finite(view.cursor) && finite(value))
@@ -449,7 +530,7 @@ function picture() {
     return;
   drawOverview();
   for (const panel of panels)
-    (panel.key === "lanes" ? lanesPanel : signalPanel)(panel, r);
+    panel.draw(panel, r);
   if (r !== shown.listed)
     showEvents(r), shown.listed = r;
   showRow();
@@ -514,6 +595,7 @@ const VIEW_KEYS = [
   ["backspace", "the view before", {Backspace: lastView}],
   [", .", "cursor left and right; with shift in long steps",
     {",": () => moveCursor(-1), ".": () => moveCursor(1), "<": () => moveCursor(-20), ">": () => moveCursor(20)}],
+  ["d", "where two logs part first", {d: toPart}],
   ["m M", "a mark at the cursor; no marks", {m: setMark, M: () => (view.marks = [], draw())}],
   ["esc", "no cursor", {Escape: escape}],
 ]; /* and those of keys.js */
@@ -546,14 +628,14 @@ async function start() {
     return alarm("The program is another version than this page: reload this page.");
   const [log] = about.logs;
   put("version", about.version);
-  put("log-name", log.name);
-  put("news", `${log.rows} rows` + (log.missing ? `, ${log.missing} frames missing` : ""));
-  find("run").replaceChildren(...log.runs.map((r, i) => new Option(`${i + 1} of ${log.runs.length}`, i)));
-  find("run-label").hidden = log.runs.length < 2;
+  put("log-name", about.logs.map((l) => l.name).join(" and, dashed, "));
+  listRuns(log);
   shown.range = {bands: {}, counts: Object.fromEntries(KINDS.map((k) => [k, []])), rows: [], state: [], session: [], faults: [], closed: [],
     beyond: [], from: 0, to: 1, columns: 1, size: 1};
   fitPanels();
   chooseRun(0);
+  if (about.follows)
+    setInterval(() => follow().catch(() => alarm("Connection lost: is the program still there?")), FOLLOW_MS);
 }
 
 /* For tests. */
