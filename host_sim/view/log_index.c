@@ -171,6 +171,11 @@ static bool end_block(struct log_index *x)
     return keep_block(x);
 }
 
+bool log_index_has_rows(const struct log_index *x)
+{
+    return x->walk.log.log.reader.file != NULL;
+}
+
 static bool begin_block(struct log_index *x)
 {
     x->open = calloc(1, sizeof *x->open);
@@ -178,7 +183,8 @@ static bool begin_block(struct log_index *x)
     x->open_ticks = 0;
     if (!x->open)
         return false;
-    log_walk_tell(&x->walk, &x->open->place);
+    if (log_index_has_rows(x))
+        log_walk_tell(&x->walk, &x->open->place);
     x->open->run = x->walk.log.rows.row.run;
     return true;
 }
@@ -294,6 +300,33 @@ const char *log_index_open(struct log_index *x, const char *path, const char *in
     return why;
 }
 
+/* ---- rows from elsewhere ---- */
+
+static const char *const no_memory = "out of memory";
+
+const char *log_index_begin(struct log_index *x, double tick_s)
+{
+    x->tick_s = tick_s;
+    x->step = UINT64_MAX;
+    log_cell_begin(&x->next);
+    return begin_block(x) ? NULL : no_memory;
+}
+
+const char *log_index_add(struct log_index *x, const struct decode_row *row)
+{
+    x->walk.log.rows.row.run = row->run;
+    if (x->open->rows && is_whole(x) && !(end_block(x) && begin_block(x)))
+        return no_memory;
+    x->open->run = row->run;
+    add_row(x, row);
+    return NULL;
+}
+
+const char *log_index_end(struct log_index *x)
+{
+    return !x->open->rows || end_block(x) ? NULL : no_memory;
+}
+
 bool log_index_run(const struct log_index *x, unsigned run, size_t *first, size_t *end)
 {
     size_t i = 0, n = x->n_blocks;
@@ -318,5 +351,6 @@ void log_index_close(struct log_index *x)
     x->block = NULL;
     x->open = NULL;
     x->n_blocks = 0;
-    decode_log_close(&x->walk.log);
+    if (log_index_has_rows(x))
+        decode_log_close(&x->walk.log);
 }

@@ -80,6 +80,14 @@ const char *log_index_open(struct log_index *x, const char *path, const char *in
 /* Reads on where the file has grown: its last block again, and what follows. NULL, or the reason. */
 const char *log_index_more(struct log_index *x);
 
+/* An index of rows that come from elsewhere: bins alone. Each call: NULL, or the reason. */
+const char *log_index_begin(struct log_index *x, double tick_s);
+const char *log_index_add(struct log_index *x, const struct decode_row *row);
+const char *log_index_end(struct log_index *x);
+
+/* It can read its rows again. */
+bool log_index_has_rows(const struct log_index *x);
+
 /* Bin i of a level of a block. */
 void log_block_cell(const struct log_block *b, int level, int i, struct log_cell *c);
 

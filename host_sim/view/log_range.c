@@ -123,7 +123,7 @@ static bool add_block(const struct log_index *x, struct log_range *r, const stru
     bool is_short = (double)(b->to - b->from) * r->n_columns < r->to - r->from;
     if (is_short)
         level = LOG_LEVELS - 1;
-    else if (level < 0 && *budget < b->rows)
+    else if (level < 0 && (*budget < b->rows || !log_index_has_rows(x)))
         level = 0;
     if (level >= 0) {
         r->has_rows = r->has_marks = false;
@@ -160,7 +160,7 @@ bool log_range_row(const struct log_index *x, unsigned run, double tick, struct 
     struct decode_row next;
     struct log_walk w;
     size_t i, end;
-    if (!log_index_run(x, run, &i, &end))
+    if (!log_index_has_rows(x) || !log_index_run(x, run, &i, &end))
         return false;
     while (i + 1 < end && (double)x->block[i + 1]->from <= tick)
         i++;
@@ -222,7 +222,7 @@ bool log_range_mark(const struct log_index *x, unsigned run, double t_s, bool ba
 {
     struct nearest g = {.t_s = t_s, .back = back, .kinds = kinds};
     size_t first, end;
-    if (!log_index_run(x, run, &first, &end))
+    if (!log_index_has_rows(x) || !log_index_run(x, run, &first, &end))
         return false;
     for (size_t i = 0; i < end - first && !g.found; i++) {
         const struct log_block *b = x->block[back ? end - 1 - i : first + i];

@@ -51,10 +51,10 @@ static bool query_index(const char *query, const char *name, unsigned most, unsi
 
 static struct log_index *query_log(struct view *v, const char *query, unsigned *run)
 {
-    unsigned i;
-    if (!query_index(query, "log", (unsigned)v->n_logs - 1, &i) || !query_index(query, "run", 1u << 30, run))
+    unsigned i, most = v->n_logs < VIEW_LOGS ? 0 : VIEW_LOGS;
+    if (!query_index(query, "log", most, &i) || !query_index(query, "run", 1u << 30, run))
         return NULL;
-    return &v->log[i].index;
+    return i == VIEW_LOGS ? &v->apart : &v->log[i].index;
 }
 
 /* ---- what there is ---- */
@@ -358,7 +358,7 @@ static int open_log(struct view *v, const struct options *o, int i)
     return 0;
 }
 
-static void compare(struct view *v, const struct options *o)
+static int compare(struct view *v, const struct options *o)
 {
     struct compare c = {.command = o->usage->name,
                         .scene = &v->scene,
@@ -368,6 +368,8 @@ static void compare(struct view *v, const struct options *o)
     for (int i = 0; i < VIEW_LOGS; i++)
         c.interface[i] = options_text(o, "interface", options_count(o, "interface") > 1 ? i : 0);
     (void)compare_logs(&c, v->compared);
+    const char *why = log_apart(&v->apart, &v->log[0].index, &v->log[1].index);
+    return why ? options_failure(o->usage, "%s", why) : 0;
 }
 
 int view_open(struct view *v, const struct options *o)
@@ -380,7 +382,7 @@ int view_open(struct view *v, const struct options *o)
     for (int i = 0; i < options_count(o, "open") && !status; i++)
         status = open_log(v, o, i);
     if (!status && v->n_logs == VIEW_LOGS)
-        compare(v, o);
+        status = compare(v, o);
     return status;
 }
 
@@ -415,5 +417,6 @@ void view_close(struct view *v)
 {
     for (int i = 0; i < v->n_logs; i++)
         log_index_close(&v->log[i].index);
+    log_index_close(&v->apart);
     scene_free(&v->scene);
 }

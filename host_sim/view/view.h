@@ -13,6 +13,7 @@
 #include "host_sim/out/json.h"
 #include "host_sim/replay/compare.h"
 #include "host_sim/scene/scene.h"
+#include "host_sim/view/log_apart.h"
 #include "host_sim/view/log_range.h"
 
 enum { VIEW_LOGS = 2 };
@@ -28,6 +29,7 @@ struct view {
     struct scene_app scene;
     int n_logs;
     struct view_log log[VIEW_LOGS];
+    struct log_index apart; /* two logs: their differences, log 2 of /range */
     struct log_range range;
     bool follows;
     double looked_s; /* when the files were looked at last; of the clock */

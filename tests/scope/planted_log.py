@@ -75,8 +75,8 @@ def write(path, rows, holes=(), beyond=()):
         f.write("".join(out))
 
 
-def record(program, name="t"):
+def record(program, name="t", force=30):
     """A log of a run of the rig, NAME.a.log: it loses contact, and a session begins and ends."""
     with open(name + ".test", "w") as f:
-        f.write(CASE)
+        f.write(CASE.replace("amplitude=30", f"amplitude={force}"))
     subprocess.run([program, "test", name + ".test", "--log", "."], check=True, capture_output=True)

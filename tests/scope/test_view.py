@@ -60,12 +60,12 @@ def same_rows(v, rows, a, b):
     equal(f"rows from {a} to {b} s are decode's", [(x, y) for x, y in zip(told, wanted) if x != y][:1] or len(told), len(wanted))
 
 
-def same_bands(v, rows, a, b, pixels):
+def same_bands(v, rows, a, b, pixels, log=0):
     """A pixel's band has the rows in it, and at most those of a bin on either side."""
-    got, step = v.range(a, b, pixels), (b - a) / pixels
+    got, step = v.range(a, b, pixels, log), (b - a) / pixels
     least = {64: 0.064, 512: 0.512, 4096: 4.096}.get(got["size"], 0.0)
     wrong, n, times = [], 0, [r[0] for r in rows]
-    for k, (low, high) in ((int(k), v) for k, v in got["bands"].items() if k != "speed"):
+    for k, (low, high) in ((int(k), v) for k, v in got["bands"].items() if k != "speed" and int(k) < len(rows[0]) - 5):
         for i in range(pixels):
             own = in_pixel(rows, times, k, a + i * step + 1e-9, a + (i + 1) * step - 1e-9)
             wide = in_pixel(rows, times, k, a + i * step - least - 2e-3, a + (i + 1) * step + least + 2e-3)
@@ -196,7 +196,20 @@ def test_two(log):
         equal("the second one has its own ranges", [v.range(2.9, 3.1, log=i)["beyond"].count(1) for i in (0, 1)], [0, 1])
     with Viewer(program, "--open", log, "--open", log) as v:
         about = v.ask("log")
+        bands = v.range(0.0, 1.5, 9, 2)["bands"]
+        equal("  their differences", {x for k in "0123" for edge in bands[k] for x in edge}, {0.0})
         equal("equal logs", ("rows agree" in about["compared"], about["part"]), (True, None))
+
+
+def test_difference(log):
+    """The difference of outputs in rows of one tick, in bins."""
+    planted_log.record(program, "w", 29)
+    other = {r[2]: r for r in decoded("w.a.log")[0]}
+    rows = [r[:5] + [None if x is None or y is None else float(f"{x - y:.9g}") for x, y in zip(r[5:9], other[r[2]][5:9])] for r in decoded(log)[0]]
+    with Viewer(program, "--open", log, "--open", "w.a.log") as v:
+        for a, b, pixels in ((0.0, 1.5, 10), (0.0, 1.5, 2)):
+            same_bands(v, rows, a, b, pixels, 2)
+        equal("a row of the differences", v.status("row?log=2&run=0&at=1")[0], 400)
 
 
 def test_follow(log):
@@ -247,6 +260,7 @@ try:
     test_gaps()
     test_logs("t.a.log")
     test_two("t.a.log")
+    test_difference("t.a.log")
     test_follow("t.a.log")
     test_requests("t.a.log")
 finally:

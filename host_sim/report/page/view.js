@@ -52,10 +52,11 @@ const pixels = () => clamp(panels[0]?.chart.columns() || 600, 16, PIXELS_MAX);
 const askRange = asker(async () => {
   const began = performance.now(), part = {from: view.from, to: view.to, pixels: pixels()};
   const both = await Promise.all(about.logs.map((l, log) => hasRun(l) ? ask("range", {log, ...part}) : null));
+  const apart = both[1] && !(both[0].row && both[1].row) ? await ask("range", {log: 2, ...part}).catch(() => null) : null;
   shown.took = performance.now() - began;
-  return both;
-}, ([r, second]) => {
-  shown.range = r, shown.second = second || null, shown.asks++;
+  return [...both.slice(0, 1), both[1] || null, apart];
+}, ([r, second, apart]) => {
+  shown.range = r, shown.second = second, shown.apart = apart, shown.asks++;
   fitPanels();
 });
 const hasRun = (log) => log.runs.some((r) => r.run === view.run.run);
@@ -283,15 +284,18 @@ function differences(key) {
 }
 
 function apartPanel(panel) {
-  const key = panel.key.slice(6), d = differences(key), [low, high] = extremes((d || []).map((p) => p[1])), title = signalName(key) + ", first minus second";
+  const key = panel.key.slice(6), d = differences(key), bands = shown.apart?.bands[key] || [[], []], title = signalName(key) + ", first minus second";
+  const [low, high] = extremes(d ? d.map((p) => p[1]) : bands.flat());
   begin(panel, rangeOf(low, high), unitOf(key), title, 64);
   if (d)
     panel.chart.points(d.map((p) => p[0]), d.map((p) => p[1]), "purple");
-  else
-    panel.chart.say("zoom in: rows are compared one by one");
+  else if (shown.apart) {
+    const map = columnsOf(panel.chart, shown.apart);
+    panel.chart.band(pick(map, bands[0]), pick(map, bands[1]), "purple");
+  }
   finish(panel);
   panel.chart.end();
-  panel.canvas.ariaLabel = title + ": " + (!d ? "zoom in to see it" : d.length ? `${quantity(low, unitOf(key))} to ${quantity(high, unitOf(key))}` : "no rows of one tick");
+  panel.canvas.ariaLabel = title + ": " + (low <= high ? `${quantity(low, unitOf(key))} to ${quantity(high, unitOf(key))}` : "no rows of one tick");
 }
 
 function signalPanel(panel, r) {
