@@ -11,9 +11,9 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scene/scene_print.h"
-#include "host_sim/trial/metric.h"
+#include "host_sim/test/metric.h"
 #include "firmware/afm/afm_plant.h"
-#include "host_sim/trial/trial_afm.h"
+#include "host_sim/test/test_afm.h"
 #include "models/math/elementary.h"
 #include "models/models.h"
 #include "models/scenes/scenes_table.h"
@@ -139,7 +139,7 @@ static void list_microscope(void)
     print_parameters(station_number, STATION_NUMBERS);
     printf("  of its converters (contactplant_afm_set; run microscope takes all but xy_m_per_V)\n");
     print_parameters(codes_number, CODES_NUMBERS);
-    print_signals("signals of a test", trial_afm_view.output_signal, trial_afm_view.n_outputs);
+    print_signals("signals of a test", test_afm_view.output_signal, test_afm_view.n_outputs);
     printf("  parameters as a plant (run microscope): those of afm_lever, the numbers above, and\n");
     print_parameters(&afm_plant.parameter[AFM_PLANT_SCAN], AFM_PLANT_DITHER_GAIN - AFM_PLANT_SCAN);
     print_signals("inputs as a plant", afm_plant.input_signal, afm_plant.n_inputs);

@@ -6,7 +6,7 @@
  * two time constants 1/(2 pi bandwidth): that is a delay of 1/(pi bandwidth).
  *
  * It serves the microscope's loops. LOCKIN on the bus is firmware/observe/lockin_fit.h, `contactplant test`
- * has host_sim/trial/fit.h. */
+ * has host_sim/test/fit.h. */
 #ifndef FIRMWARE_AFM_DEMODULATOR_H
 #define FIRMWARE_AFM_DEMODULATOR_H
 

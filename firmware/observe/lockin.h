@@ -10,7 +10,7 @@
  * There are three lock-ins. This one serves LOCKIN on the bus (lockin_slots.h) and, over whole periods,
  * sweeps (host_sim/maps/sweep/sweep_meter.h). The microscope has mixers with poles
  * (firmware/afm/demodulator.h), as AFM controllers do. `contactplant test` fits a wave of any frequency
- * (host_sim/trial/fit.h). */
+ * (host_sim/test/fit.h). */
 #ifndef FIRMWARE_LOCKIN_H
 #define FIRMWARE_LOCKIN_H
 

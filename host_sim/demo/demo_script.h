@@ -6,7 +6,7 @@
 #include "host_sim/demo/demo_record.h"
 #include "host_sim/live/bus.h"
 #include "host_sim/live/client.h"
-#include "host_sim/trial/bench/child.h"
+#include "host_sim/test/bench/child.h"
 
 enum demo_end { DEMO_DONE, DEMO_FAILED, DEMO_INTERRUPTED, DEMO_BUSY }; /* busy: worth another try */
 

@@ -1,5 +1,5 @@
 /* trial.c - a test file: refused with one line that names a place, or taken, with cases that can be run. */
-#include "host_sim/trial/trial_read.h"
+#include "host_sim/test/test_read.h"
 #include "models/models.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -22,14 +22,14 @@ static bool load(const char *file, const char *name, struct scene *s, char *why)
     return p != NULL;
 }
 
-static void check_case(const struct trial *t, const struct trial_case *c)
+static void check_case(const struct test_file *t, const struct test_case *c)
 {
     const struct model *m = t->scene.model;
-    MUST(c->over_s > 0.0 && (c->n_expects > 0 || *c->golden) && c->n_expects <= TRIAL_EXPECTS &&
-         c->n_acts <= TRIAL_ACTS);
+    MUST(c->over_s > 0.0 && (c->n_expects > 0 || *c->golden) && c->n_expects <= TEST_EXPECTS &&
+         c->n_acts <= TEST_ACTS);
     MUST(c->n_seeds >= 1 && c->vary.n >= 1 && memchr(c->name, 0, sizeof c->name));
     for (int i = 0; i < c->n_expects; i++) {
-        const struct trial_expect *e = &c->expect[i];
+        const struct test_expect *e = &c->expect[i];
         enum metric_of of = metric_table[e->what.kind].of;
         MUST(e->what.from_s < e->what.to_s && isfinite(e->value) && memchr(e->text, 0, sizeof e->text));
         MUST(of != OF_CONTACTS || m->n_contacts > 0);
@@ -50,13 +50,13 @@ static void check_case(const struct trial *t, const struct trial_case *c)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct trial t;
-    char why[TRIAL_REASON];
-    if (!trial_parse("my.test", (const char *)data, size, load, &t, why)) {
+    static struct test_file t;
+    char why[TEST_REASON];
+    if (!test_parse("my.test", (const char *)data, size, load, &t, why)) {
         MUST(!strncmp(why, "my.test:", 8) && !strchr(why, '\n') && strlen(why) < sizeof why);
         return 0;
     }
-    MUST(t.n_cases > 0 && t.n_cases <= TRIAL_CASES && t.scene.model && (*t.command || t.attached));
+    MUST(t.n_cases > 0 && t.n_cases <= TEST_CASES && t.scene.model && (*t.command || t.attached));
     for (int i = 0; i < t.n_cases; i++)
         check_case(&t, &t.cases[i]);
     return 0;

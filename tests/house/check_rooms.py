@@ -19,7 +19,7 @@ host_sim/scene host_sim/database
 host_sim/report host_sim/afm host_sim/plants host_sim/listen host_sim/help
 host_sim/maps host_sim/replay
 host_sim/merge host_sim/live host_sim/choose host_sim/fit host_sim/view
-host_sim/trial host_sim/library
+host_sim/test host_sim/library
 host_sim/simulate host_sim/fmu host_sim/scope
 host_sim/run host_sim/demo
 host_sim/list host_sim/main

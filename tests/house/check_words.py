@@ -17,8 +17,8 @@ LEAST = 40
 TABLE = re.compile(r"^(?:static const struct (?:option|usage)\b|\} command\[\] = \{).*?^\}", re.S | re.M)
 # A room of host_sim, and words of the last column that its code has still.
 LATER = {
-    "afm": "station setpoint", "library": "station", "list": "station trial",
-    "out": "surrogate", "scene": "station", "trial": "trial station",
+    "afm": "station setpoint", "library": "station", "list": "station",
+    "out": "surrogate", "scene": "station", "test": "station",
 }
 STRINGS = re.compile(r'"(?:\\.|[^"\\\n])*"')
 TEXT = re.compile(r'"((?:\\.|[^"\\\n])*)"')

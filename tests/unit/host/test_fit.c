@@ -1,7 +1,7 @@
 /* test_fit.c - the fit of a mean and a wave in `contactplant test`, against waves that are known. */
 #include <math.h>
 #include <stdio.h>
-#include "host_sim/trial/fit.h"
+#include "host_sim/test/fit.h"
 #include "models/math/elementary.h"
 #include "tests/unit/test.h"
 

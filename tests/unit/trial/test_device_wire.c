@@ -1,5 +1,5 @@
 /* test_device_wire.c - a bench knows a controller's commands by the plant's echo of its samples. */
-#include "host_sim/trial/bench/device_wire.h"
+#include "host_sim/test/bench/device_wire.h"
 #include "models/hertz_rig.h"
 #include "tests/unit/test.h"
 
@@ -9,7 +9,7 @@
 enum { FRAMES = 20 };
 static struct bench_plant plant;
 static struct device_wire wire;
-static struct trial_case wanted;
+static struct test_case wanted;
 
 static void begin_plant(void)
 {

@@ -1,6 +1,6 @@
 /* test_measure.c - windows that begin inside a tick, the instant of equal peaks, and what a fault of the
  * plant is where a case names it and where not. */
-#include "host_sim/trial/verdict.h"
+#include "host_sim/test/verdict.h"
 #include "models/models.h"
 #include "tests/unit/test.h"
 
@@ -98,7 +98,7 @@ TEST(measure_first_of_equal_silences)
 /* A case of a plant that latched a fault, which expects `kind == 0`. */
 static void judge_fault(enum metric_kind kind, struct bench_result *r)
 {
-    static struct trial_case c;
+    static struct test_case c;
     static struct measurement m[VERDICT_MEASUREMENTS];
     static const uint32_t count[DIAG_COUNTERS];
     const struct evidence e = {model_table[0], 1.0, 0, FAULT_LEDGER, count};
@@ -107,7 +107,7 @@ static void judge_fault(enum metric_kind kind, struct bench_result *r)
     memset(r, 0, sizeof *r);
     c.over_s = 1.0;
     c.n_expects = 1;
-    c.expect[0] = (struct trial_expect){.line = 7, .op = TRIAL_EQUAL, .what = {.kind = kind, .to_s = 1.0}};
+    c.expect[0] = (struct test_expect){.line = 7, .op = TEST_EQUAL, .what = {.kind = kind, .to_s = 1.0}};
     int n = verdict_settings(&c, s);
     for (int i = 0; i < n; i++) {
         measurement_begin(&m[i], &s[i], TICK_S, false);
