@@ -11,7 +11,7 @@
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/version.h"
 
-enum { VIEW_CONTRACT = 1, RUNS_TOLD = 1000, NUMBER_TEXT = 32 };
+enum { VIEW_CONTRACT = 1, RUNS_TOLD = 1000, NUMBER_TEXT = 32, LONG_LOG = 100000000 };
 
 static const double look_every_s = 0.5;
 
@@ -346,6 +346,9 @@ static int open_log(struct view *v, const struct options *o, int i)
     const struct app *a = &v->scene.app;
     l->path = options_text(o, "open", i);
     const char *interface = options_text(o, "interface", options_count(o, "interface") > 1 ? i : 0);
+    if (look_at(l, &l->file, &l->bytes) && l->bytes > LONG_LOG)
+        fprintf(stderr, "contactplant scope: reading %.1f GB of %s, twice\n", 1e-9 * (double)l->bytes,
+                l->path);
     const char *why = log_index_open(&l->index, l->path, interface, &a->scene, a->plant.tick_s);
     if (why)
         return options_failure(o->usage, "%s", why);
@@ -354,7 +357,6 @@ static int open_log(struct view *v, const struct options *o, int i)
         return decode_no_rows(o, l->path);
     if (options_count(o, "open") == 1) /* else compare_logs tells it */
         decode_log_tell(&l->index.walk.log, o->usage->name);
-    (void)look_at(l, &l->file, &l->bytes);
     return 0;
 }
 
