@@ -112,6 +112,8 @@ if all; then
     need /usr/sbin/slurmctld slurm-wlm
     need /usr/sbin/munged munge
     need parallel parallel
+    need /usr/lib/python3/dist-packages/scipy python3-scipy
+    need /usr/lib/python3/dist-packages/lmfit python3-lmfit
     ls /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.asan-x86_64.a >/dev/null 2>&1 || missing="$missing libclang-rt-14-dev"
 fi
 install=
@@ -299,6 +301,8 @@ stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
 more compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
 more compute "fits of 200 noises and 100 random rigs" /usr/bin/python3 tests/fit/judge_fits.py build/contactplant build/rig_curves 200 100 build/asan/contactplant
+more compute "fits of 30 random levers" /usr/bin/python3 tests/fit/judge_levers.py build/contactplant 30
+more compute "fits beside scipy's and lmfit's" /usr/bin/python3 tests/fit/other_fits.py build/contactplant docs/examples/fit
 more compute "costs that choose states, against whole runs" tests/choose/test_choose_cost.sh build/contactplant build/choose_one
 more compute "mutants that are listed as equivalent are mutants" sh -c 'tests/house/mutate.py --list >build/mutants.txt || { cat build/mutants.txt; exit 1; }'
 

@@ -1,5 +1,6 @@
 /* judge.c - see judge.h. */
 #include "host_sim/fit/judge.h"
+#include "host_sim/fit/levers.h"
 #include "host_sim/fit/solve/problem_curves.h"
 #include "host_sim/fit/solve/unknown.h"
 
@@ -105,12 +106,16 @@ static void judge_residuals(struct fit_setup *s, const struct fit_result *r, str
         add(&j->n, j->reason, "chi^2 per number is %.3g, above %g: this plant does not give these data%s",
             j->chi2_each, chi2_most, s->noise_known ? ", or the noise is larger than said" : "");
     double above = (j->chi2_each - 1.0) * sqrt(0.5 * (r->n_numbers - s->n));
-    if (s->noise_known && j->chi2_each <= chi2_most && above > chi2_deviations)
+    above *= s->levers.n ? 0.5 : 1.0; /* the noise of a lever's data is taken from them, too */
+    if ((s->noise_known || s->levers.n) && j->chi2_each <= chi2_most && above > chi2_deviations)
         add(&j->n_notes, j->note,
             "chi^2 is %.1f standard deviations above what this noise gives: the rig is not quite this plant, "
             "or "
             "its noise is larger",
             above);
+    if (s->levers.n && j->worst > far)
+        add(&j->n, j->reason, "the worst point is %.1f standard deviations off: this lever does not give it",
+            j->worst);
     if (j->worst > worst_most)
         add(&j->n_notes, j->note,
             "the worst point is %.1f standard deviations off: look at it, or at the model", j->worst);

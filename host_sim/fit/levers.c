@@ -11,7 +11,7 @@
 #include "host_sim/scene/scene_keys.h"
 #include "models/afm_lever.h"
 
-enum { GRID = 33, SHARES = 5, PAIRS_LEAST = 8, QUIET = 4, NOISE_ROUNDS = 3, RINGING = 6, WINDOW = 30 };
+enum { GRID = 33, SHARES = 5, PAIRS_LEAST = 8, QUIET = 4, NOISE_ROUNDS = 3, RINGING = 6, WINDOW = 24 };
 static const double grid_most = 8.0;   /* logarithm of the modulus over the scene's, to both sides */
 static const double jumps = 8.0;       /* times the median step of a curve: a jump */
 static const double rings = 1.5;       /* times the bends when it is still */
@@ -190,20 +190,32 @@ static double median_of(double *value, int n)
     return value[n / 2];
 }
 
-/* How far the step behind row i is from those around it, in units of their median distance; 0 at an end. */
-static double step_out(const struct lever_data *d, int i, double least)
+/* How far the step behind row i is from the median of the steps behind rows from .. to - 1; their median
+ * distance from it is *usual. False: there are too few. */
+static bool step_from(const struct lever_data *d, int i, int from, int to, double *out, double *usual)
 {
-    double step[2 * WINDOW + 1], off[2 * WINDOW + 1];
+    double step[WINDOW], off[WINDOW];
     int n = 0;
-    if (i + 1 >= d->n || d->back[i + 1] != d->back[i])
-        return 0.0;
-    for (int k = i - WINDOW; k <= i + WINDOW; k++)
+    for (int k = from; k < to; k++)
         if (k >= 0 && k + 1 < d->n && d->back[k] == d->back[i] && d->back[k + 1] == d->back[i])
             step[n++] = d->y[k + 1] - d->y[k];
+    if (n < QUIET)
+        return false;
     double middle = median_of(step, n);
     for (int k = 0; k < n; k++)
         off[k] = fabs(step[k] - middle);
-    return fabs(d->y[i + 1] - d->y[i] - middle) / fmax(median_of(off, n), least);
+    *usual = median_of(off, n);
+    *out = fabs(d->y[i + 1] - d->y[i] - middle);
+    return true;
+}
+
+/* A jump is far from the steps before it and from those behind it; a kink is far from one of them. */
+static bool is_jump(const struct lever_data *d, int i, double least)
+{
+    double before, behind, usual, unused;
+    return d->back[i + 1] == d->back[i] && step_from(d, i, i - WINDOW, i, &before, &usual) &&
+           step_from(d, i, i + 1, i + 1 + WINDOW, &behind, &unused) && before > jumps * fmax(usual, least) &&
+           behind > 0.5 * before;
 }
 
 /* The step from row i to the next less the step before: noise and ringing, without the slope. */
@@ -220,14 +232,34 @@ static double mean_bend(const struct lever_data *d, int from, int to)
     return sum / fmax(1.0, to - from);
 }
 
-/* The row at which the lever has stopped to ring from a jump before `from`; the next jump is at `to`. */
+/* The row at which the lever has stopped to ring from a jump before `from`; the next jump is at `to`. Away
+ * from the sample it is as still as at the begin of the curve. */
 static int end_of_ringing(const struct lever_data *d, int from, int to)
 {
-    int half = from + (to - from) / 2;
-    double still = mean_bend(d, half, to - QUIET);
-    while (from < half && mean_bend(d, from, from + RINGING) > rings * still)
+    int half = from + (to - from) / 2, last = d->back[from] ? to : half;
+    double still = d->back[from] ? mean_bend(d, 1, d->n / 8) : mean_bend(d, half, to - QUIET);
+    while (from < last && mean_bend(d, from, from + RINGING) > rings * still)
         from++;
     return from;
+}
+
+/* One jump into contact on the way in, or one out of it on the way back: there the data say which rows are in
+ * contact. Jumps that follow each other closely are one. */
+static void find_sides(struct lever_data *d, const bool *jump)
+{
+    int at[2] = {-1, -1}, n[2] = {0, 0}, last = -QUIET - 1;
+    for (int i = 0; i + 1 < d->n; i++) {
+        if (!jump[i])
+            continue;
+        if (i - last > QUIET && n[d->back[i]]++ == 0)
+            at[d->back[i]] = i;
+        last = i;
+    }
+    for (int way = 0; way < 2; way++)
+        d->sides_told[way] = n[way] == 1;
+    for (int i = 0; i < d->n; i++)
+        if (d->sides_told[d->back[i]])
+            d->side[i] = (i > at[d->back[i]]) != d->back[i] ? LEVER_CONTACT : LEVER_OUTSIDE;
 }
 
 /* Rows beside a jump, and those in which the lever still rings from it, do not count. */
@@ -235,7 +267,9 @@ static void skip_jumps(struct lever_data *d, double least)
 {
     bool *jump = calloc((size_t)d->n + 1, sizeof *jump);
     for (int i = 0; jump && i + 1 < d->n; i++)
-        jump[i] = step_out(d, i, least) > jumps;
+        jump[i] = is_jump(d, i, least);
+    if (jump)
+        find_sides(d, jump);
     for (int i = 0; jump && i + 1 < d->n; i++) {
         int next = i + 1;
         if (!jump[i])

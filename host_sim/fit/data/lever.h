@@ -22,6 +22,7 @@ struct lever_data {
     bool *back;    /* [n] on the way back, of a force curve */
     bool has_back;
     uint8_t *side;             /* [n] as the last residuals took it */
+    bool sides_told[2];        /* on the way in, and back: the data say which rows are in contact */
     double sigma[LEVER_SIDES]; /* standard deviation: share of the density, or m */
     double widen;              /* intervals are this much wider than those of independent numbers */
     /* seen without a plant: of a spectrum f0, Q, the mean square, the noise of the sensor; of a curve the

@@ -44,7 +44,7 @@ static bool rest_on(const struct lever_at *at, bool back, enum lever_side side, 
 static double deflection(const struct lever_at *at, struct lever_data *d, int i, bool find)
 {
     double base = d->x[i] - at->contact_m, x[LEVER_SIDES], y = d->y[i] - at->baseline_m;
-    if (!find && d->side[i] != LEVER_SKIPPED) {
+    if ((!find || d->sides_told[d->back[i]]) && d->side[i] != LEVER_SKIPPED) {
         (void)rest_on(at, d->back[i], (enum lever_side)d->side[i], base, &x[0]);
         return x[0] + at->baseline_m;
     }
