@@ -234,6 +234,7 @@ def parallel():
     equal("  merge to one run", (run("contactplant merge g.all g*.csv").returncode, read("g.all") == read("g.one")), (0, True))
 
 
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # an interrupted run ends its cluster, too
 if ctypes.CDLL(None).prctl(36, 1, 0, 0, 0):  # PR_SET_CHILD_SUBREAPER: steps that a node leaves behind come here
     sys.exit("no subreaper")
 with tempfile.TemporaryDirectory(prefix="contactplant_slurm.") as top:
