@@ -145,6 +145,12 @@ def strangers():
     refused("of an earlier version", "l1.csv", "before.csv", told="before.csv: rows that do not tell their share")
     refused("a changed row", "changed.csv", "l1.csv", told=r"changed.csv:\d+: a row was changed or lost")
     refused("a lost row", "fewer.csv", told=r"fewer.csv:\d+: a row was changed or lost")
+    write("none.csv", rows[0] + "# complete: 0 rows\n")
+    run("sweep", *MAPS["sweep"], "--shard", "2/2", "--out", "curves.csv")
+    curves = read("curves.csv").decode().splitlines(True)
+    write("shorter.csv", "".join(curves[:-2] + curves[-1:]))  # all jobs have rows
+    refused("a last row lost", "shorter.csv", told=r"shorter.csv:\d+: a row was changed or lost")
+    refused("a job without its row", "none.csv", told=r"none.csv:\d+: a row was changed or lost")
     refused("a row behind the end", "more.csv", told=r"more.csv:\d+: a row was changed or lost")
     for name, told in (("empty", "it is empty"), ("begun.csv", "its first line is cut"), ("binary", "no map of shares"), ("nosuch", "No such file"), (".", "Is a directory")):
         refused(name, "l1.csv", name, told=told)
