@@ -173,33 +173,61 @@ static char *grey_of(const float *value, const struct scan_image *m, size_t *siz
     return bytes;
 }
 
-/* Each image is a unit wide and stands as high as it is wide; its name and its greys are above it. */
+struct shown {
+    enum scan_channel channel;
+    const char *name, *unit;
+    double factor;
+};
+
+/* The greys from black to white over their values, below an image. */
+static void draw_scale(struct afm_demo *d, const struct shown *w, const double range[2])
+{
+    unsigned char grey[256];
+    char *png = NULL, label[48];
+    size_t size = 0;
+    FILE *f = open_memstream(&png, &size);
+    double low = w->factor * range[0], high = w->factor * range[1];
+    for (int i = 0; i < 256; i++)
+        grey[i] = (unsigned char)i;
+    if (f) {
+        (void)png_write(f, grey, 256, 1);
+        fclose(f);
+    }
+    high = high > low ? high : low + w->factor; /* as grey_of has it for an even image */
+    chart_x_range(&d->chart, low, high);
+    chart_panel(&d->chart, "", 12.0, 0.0, 1.0);
+    if (png)
+        chart_image(&d->chart, low, high, 0.0, 1.0, png, size);
+    snprintf(label, sizeof label, "%s (%s)", w->name, w->unit);
+    chart_x_axis(&d->chart, label);
+    free(png);
+}
+
+/* Column i: an image whose pixels are square, and its greys. */
+static void draw_image(struct afm_demo *d, const struct shown *w, int i)
+{
+    const double *n = d->bench.number, wide_um = n[STATION_SCAN_WIDTH] * 1e6,
+                 long_um = n[STATION_SCAN_LENGTH] * 1e6;
+    double px = chart_column(&d->chart, i, IMAGES), range[2] = {0.0, 0.0};
+    size_t size = 0;
+    char *png = grey_of(d->image.value[0][w->channel], &d->image, &size, range), label[64];
+    snprintf(label, sizeof label, "%s of the trace: y (\xC2\xB5m)", w->name);
+    chart_x_range(&d->chart, 0.0, wide_um);
+    chart_panel(&d->chart, label, px * long_um / wide_um, 0.0, long_um);
+    if (png)
+        chart_image(&d->chart, 0.0, wide_um, 0.0, long_um, png, size);
+    chart_x_axis(&d->chart, "x (\xC2\xB5m)");
+    draw_scale(d, w, range);
+    free(png);
+}
+
 static void draw_images(struct afm_demo *d)
 {
-    static const struct {
-        enum scan_channel channel;
-        const char *name, *unit;
-        double factor;
-    } shown[IMAGES] = {{SCAN_HEIGHT, "height", "nm", 1e9},
-                       {SCAN_ERROR, "error", "nm", 1e9},
-                       {SCAN_PHASE, "phase (disc takes energy)", "rad", 1.0}};
-    const double edge = 0.01, size_um = d->bench.number[STATION_SCAN_WIDTH] * 1e6;
-    char label[96], heading[96];
-    snprintf(label, sizeof label,
-             "images of the trace, black to white, %g \xC2\xB5m wide each: y (\xC2\xB5m)", size_um);
-    chart_x_range(&d->chart, 0.0, IMAGES);
-    chart_panel(&d->chart, label, 322.0, 0.0, 1.09 * size_um);
-    for (int i = 0; i < IMAGES; i++) {
-        size_t size = 0;
-        double range[2] = {0.0, 0.0};
-        char *png = grey_of(d->image.value[0][shown[i].channel], &d->image, &size, range);
-        if (png)
-            chart_image(&d->chart, i + edge, i + 1.0 - edge, 0.0, size_um, png, size);
-        snprintf(heading, sizeof heading, "%s, %.3g to %.3g %s", shown[i].name, shown[i].factor * range[0],
-                 shown[i].factor * range[1], shown[i].unit);
-        chart_span(&d->chart, i, i + 1.0, heading, CHART_NONE);
-        free(png);
-    }
+    static const struct shown shown[IMAGES] = {{SCAN_HEIGHT, "height", "nm", 1e9},
+                                               {SCAN_ERROR, "error", "nm", 1e9},
+                                               {SCAN_PHASE, "phase", "rad", 1.0}};
+    for (int i = 0; i < IMAGES; i++)
+        draw_image(d, &shown[i], i);
 }
 
 /* ---- the picture ---- */

@@ -3,7 +3,7 @@
  *
  *   chart_begin(&c, "title", "subtitle");
  *   chart_x_range(&c, 0.0, 10.0);
- *   chart_panel(&c, "displacement (um)", 120.0, y_min, y_max);
+ *   chart_panel(&c, "displacement (µm)", 120.0, y_min, y_max);
  *   chart_span(&c, 2.0, 4.0, "drive", CHART_GREY);
  *   chart_line(&c, x, y, n, CHART_BLUE, "mean");
  *   chart_x_axis(&c, "time (s)");
@@ -20,6 +20,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
+enum { CHART_BOX = 4 /* px */, CHART_ROWS = 128, CHART_COLUMNS = 250, CHART_NOTES = 64, CHART_TEXT = 96 };
+
 enum chart_colour {
     CHART_BLUE,
     CHART_RED,
@@ -31,15 +33,27 @@ enum chart_colour {
     CHART_NONE
 };
 
+/* A label of the current panel, which goes where there are no curves. */
+struct chart_note {
+    double x;
+    bool centred; /* over x, else beside it */
+    char text[CHART_TEXT];
+};
+
 struct chart {
     FILE *body; /* memory stream over text, NULL when there was no memory */
     char *text;
     size_t size;
     double next_y; /* where the next panel begins, px */
+    double row_y;  /* where the columns of a row begin, px */
     double x_min, x_max;
+    double left, right;               /* ends of the current column, px */
     double top, height, y_min, y_max; /* scales of the current panel */
     double legend_x;                  /* where the next legend entry begins, px */
     int n_panels;
+    bool marked[CHART_ROWS][CHART_COLUMNS]; /* boxes of the current panel that curves go through */
+    struct chart_note note[CHART_NOTES];
+    int n_notes;
 };
 
 /* Values on an axis: value i is (first + i) * step for 0 <= i < n. */
@@ -68,13 +82,18 @@ void chart_begin(struct chart *c, const char *title, const char *subtitle);
 /* The x axis of the panels that follow; min < max. */
 void chart_x_range(struct chart *c, double min, double max);
 
+/* The panels that follow stand in column i of n, side by side; of them, column 0 comes first. Returns the
+ * width of the column, px. */
+double chart_column(struct chart *c, int i, int n);
+
 /* The next panel: label with unit above it, height of the plot in px, y axis y_min < y_max. */
 void chart_panel(struct chart *c, const char *label, double height, double y_min, double y_max);
 
 /* Tick values and label of the x axis below the current panel. */
 void chart_x_axis(struct chart *c, const char *label);
 
-/* Shaded from x0 to x1 over the height of the current panel; label at its top, or NULL. */
+/* Shaded from x0 to x1 over the height of the current panel; label at its top, below curves there, or NULL.
+ */
 void chart_span(struct chart *c, double x0, double x1, const char *label, enum chart_colour colour);
 
 /* A line through n points; name for the legend, or NULL. */
@@ -96,7 +115,7 @@ void chart_cells(struct chart *c, const double *from, const double *to, const do
 /* A picture (the n bytes of a PNG) over a rectangle of the panel. */
 void chart_image(struct chart *c, double x0, double x1, double y0, double y1, const void *png, size_t n);
 
-/* A dashed vertical line at x with a label beside it (or NULL). */
+/* A dashed vertical line at x with a label beside it, clear of curves (or NULL). */
 void chart_marker(struct chart *c, double x, const char *label, enum chart_colour colour);
 
 /* A dashed horizontal line at y; name for the legend, or NULL. */

@@ -63,10 +63,10 @@ static int tell_drives(char *text, size_t size, const struct demo *d)
     const struct demo_record *r = &d->record;
     return snprintf(
         text, size,
-        "The rig rests with a preload of %.2f N on %.2f um of compression; its resonance is %.1f Hz. Contact "
+        "The rig rests with a preload of %.2f N on %.2f µm of compression; its resonance is %.1f Hz. Contact "
         "was first lost at %.4f s, at a slow force amplitude of %.2f N (%.1f %% of the preload); settled, "
         "%.1f %% of the time was without contact. The controller brought this to %.1f %% while the drive "
-        "stayed: it pushed with up to %.1f N, then held %.2f um of compression or more with %.1f N. ",
+        "stayed: it pushed with up to %.1f N, then held %.2f µm of compression or more with %.1f N. ",
         r->rest_N, 1e6 * r->rest_m, d->client.latest.info[INFO_F0_BUS_HZ], r->first_loss_s, r->first_loss_N,
         100.0 * r->first_loss_N / r->rest_N, settled_loss(r, DEMO_DRIVE), settled_loss(r, DEMO_CONTROL),
         most(r, DEMO_COMMAND, DEMO_CONTROL), 1e6 * last(r, DEMO_PENETRATION, DEMO_CONTROL),
@@ -79,11 +79,11 @@ static int tell_fast(char *text, size_t size, const struct demo_record *r)
            force_N = last(r, DEMO_COMMAND, DEMO_FAST);
     if (!(loss > 0.0))
         return snprintf(text, size,
-                        "The fast base drive of %.2f um did not break the contact; it took %.1f N. ", base_um,
+                        "The fast base drive of %.2f µm did not break the contact; it took %.1f N. ", base_um,
                         force_N);
     return snprintf(
         text, size,
-        "The fast base drive of %.2f um broke the contact again: up to %.1f %% of the time, %.2f s long, "
+        "The fast base drive of %.2f µm broke the contact again: up to %.1f %% of the time, %.2f s long, "
         "until the controller pushed with %.1f N; at the end %.1f %% were lost, with %.1f N. ",
         base_um, 100.0 * loss, lost_s(r, DEMO_FAST), most(r, DEMO_COMMAND, DEMO_FAST),
         settled_loss(r, DEMO_FAST), force_N);

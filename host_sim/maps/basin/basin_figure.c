@@ -1,5 +1,6 @@
 /* basin_figure.c - see basin_figure.h. */
 #include "host_sim/maps/basin/basin_figure.h"
+#include "host_sim/maps/basin/basin_cells.h"
 #include "host_sim/maps/basin/basin_rows.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@ static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLU
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
 enum {
     IN_LEGEND = 4,  /* in one panel */
-    POINTS = 18000, /* on the page at most, so that it has less than 1 MB */
+    POINTS = 12000, /* on the page at most, so that it has less than 1 MB */
     TEXT = 160
 };
 
@@ -108,43 +109,91 @@ static void put_table(struct html *h, const struct basin *b, const struct basin_
 
 /* ---- planes ---- */
 
+struct plane {
+    struct figure *g;
+    const struct basin *b;
+    const struct basin_clusters *c;
+    const struct basin_row *row;
+    int n;
+    struct basin_cells cells;
+    double x[BASIN_LINES * BASIN_COLUMNS], y[BASIN_LINES * BASIN_COLUMNS], to[BASIN_LINES * BASIN_COLUMNS];
+};
+
 /* State i of the starts in class k. Returns how many they are. */
-static size_t collect(const struct basin_row *row, int n, int k, int i, double *to)
+static size_t collect(const struct plane *p, int k, int i, double *to)
 {
     size_t m = 0;
-    for (int j = 0; j < n; j++)
-        if (class_of(row[j].attractor) == k)
-            to[m++] = row[j].x[i];
+    for (int j = 0; j < p->n; j++)
+        if (class_of(p->row[j].attractor) == k)
+            to[m++] = p->row[j].x[i];
     return m;
 }
 
-/* Degree of freedom i: start velocity over start position. Rare classes have larger dots, and lie on top. */
-static void put_plane(struct figure *g, const struct basin *b, const struct basin_clusters *c,
-                      const struct basin_row *row, int n, int i, double *x, double *y)
+static int class_at(const struct plane *p, int line, int column)
 {
-    int v = b->plant.model->n_states / 2 + i;
-    double common = fmin(2.2 * sqrt(1e4 / n), 4.0); /* px, so that dots stay apart */
+    int start = p->cells.start[line][column];
+    return start < 0 ? CLASSES : class_of(p->row[start].attractor);
+}
+
+/* The cells of class k; neighbours side by side become one rectangle. They have the name of the class. */
+static void put_cells(struct plane *p, int k, bool in_legend)
+{
+    const struct basin_cells *c = &p->cells;
     char name[FIGURE_TEXT];
-    snprintf(name, sizeof name, "start %s", scenes_state_name(&b->m.scene, i));
-    figure_axis(g, &(struct figure_axis){.name = name, .unit = basin_unit(b, i)});
-    snprintf(name, sizeof name, "start %s", scenes_state_name(&b->m.scene, v));
-    figure_panel(g, name, basin_unit(b, v), 330.0);
-    for (int k = 0; k < CLASSES; k++) {
-        int count = count_of(c, k);
-        if (count == 0)
+    size_t n = 0;
+    for (int i = 0; i < BASIN_LINES * BASIN_COLUMNS; i++) {
+        int line = i / BASIN_COLUMNS, column = i % BASIN_COLUMNS;
+        bool goes_on = n && column && class_at(p, line, column - 1) == k;
+        if (class_at(p, line, column) != k)
             continue;
-        class_name(c, k, name, sizeof name);
-        struct figure_layer dots = {.kind = FIGURE_POINTS,
-                                    .name = name,
-                                    .legend = k / IN_LEGEND == i ? name : NULL,
-                                    .colour = colour[k],
-                                    .n = collect(row, n, k, i, x),
-                                    .x = x,
-                                    .y = y};
-        collect(row, n, k, v, y);
-        dots.width = fmin(common * (count > n / 10 ? 1.0 : count > n / 100 ? 1.5 : 2.7), 6.0);
-        figure_put(g, &dots);
+        n += !goes_on;
+        if (!goes_on)
+            p->x[n - 1] = c->x + column * c->width;
+        p->to[n - 1] = c->x + (column + 1) * c->width;
+        p->y[n - 1] = c->y + (line + 0.5) * c->height;
     }
+    class_name(p->c, k, name, sizeof name);
+    figure_put(p->g, &(struct figure_layer){.kind = FIGURE_CELLS,
+                                            .name = name,
+                                            .legend = in_legend ? name : NULL,
+                                            .colour = colour[k],
+                                            .half = 0.5 * c->height,
+                                            .n = n,
+                                            .x = p->x,
+                                            .y = p->y,
+                                            .z = p->to});
+}
+
+/* The starts of class k. Rare classes have larger dots, and lie on top. */
+static void put_starts(const struct plane *p, int k, int i, double *x, double *y)
+{
+    int count = count_of(p->c, k);
+    double common = fmin(2.2 * sqrt(1e4 / p->n), 4.0); /* px, so that dots stay apart */
+    struct figure_layer dots = {.kind = FIGURE_POINTS, .colour = colour[k], .x = x, .y = y};
+    dots.n = collect(p, k, i, x);
+    collect(p, k, p->b->plant.model->n_states / 2 + i, y);
+    dots.width = fmin(common * (count > p->n / 10 ? 1.0 : count > p->n / 100 ? 1.5 : 2.7), 6.0);
+    figure_put(p->g, &dots);
+}
+
+/* Degree of freedom i: start velocity over start position. */
+static void put_plane(struct plane *p, int i, double *x, double *y)
+{
+    int v = p->b->plant.model->n_states / 2 + i;
+    char name[FIGURE_TEXT];
+    snprintf(name, sizeof name, "start %s", scenes_state_name(&p->b->m.scene, i));
+    figure_axis(p->g, &(struct figure_axis){.name = name, .unit = basin_unit(p->b, i)});
+    snprintf(name, sizeof name, "start %s", scenes_state_name(&p->b->m.scene, v));
+    figure_panel(p->g, name, basin_unit(p->b, v), 330.0);
+    for (int j = 0; j < p->n; j++)
+        x[j] = p->row[j].x[i], y[j] = p->row[j].x[v];
+    basin_cells_make(&p->cells, x, y, p->n);
+    for (int k = 0; k < CLASSES; k++)
+        if (count_of(p->c, k))
+            put_cells(p, k, k / IN_LEGEND == i);
+    for (int k = 0; k < CLASSES; k++)
+        if (count_of(p->c, k))
+            put_starts(p, k, i, x, y);
 }
 
 const char *basin_draw(const struct basin *b, const struct basin_clusters *c, const struct basin_row *row,
@@ -153,12 +202,17 @@ const char *basin_draw(const struct basin *b, const struct basin_clusters *c, co
     int planes = b->plant.model->n_states / 2, every = (n * planes + POINTS - 1) / POINTS;
     char text[FIGURE_TEXT];
     double *x = malloc(2 * (size_t)n * sizeof *x);
-    if (!x)
+    struct plane *p = malloc(sizeof *p);
+    if (!x || !p) {
+        free(x);
+        free(p);
         return "no memory";
-    snprintf(
-        text, sizeof text,
-        "%d starts in %d dimensions, each where it began, coloured by the attractor it reached (%d in all)",
-        n, 2 * planes, c->n);
+    }
+    *p = (struct plane){.g = g, .b = b, .c = c, .row = row, .n = n};
+    snprintf(text, sizeof text,
+             "%d starts in %d dimensions, coloured by the attractor they reach (%d in all); "
+             "cells have the colour of the nearest start",
+             n, 2 * planes, c->n);
     figure_subtitle(g, text);
     if (figure_page(g)) {
         put_words(figure_page(g), b, c, every);
@@ -166,7 +220,8 @@ const char *basin_draw(const struct basin *b, const struct basin_clusters *c, co
     }
     g->every = (size_t)every;
     for (int i = 0; i < planes; i++)
-        put_plane(g, b, c, row, n, i, x, x + n);
+        put_plane(p, i, x, x + n);
     free(x);
+    free(p);
     return NULL;
 }

@@ -8,8 +8,8 @@ enum { KINDS = 4 };
 
 /* One panel: kinds of cells, and which of them a cell is. */
 struct panel {
-    const char *what;
-    double height; /* px */
+    const char *what, *white; /* white: the meaning of cells without a kind */
+    double height;            /* px */
     int (*kind)(const double *cell);
     struct {
         enum chart_colour colour;
@@ -24,12 +24,15 @@ struct drawing {
     double *from, *to, *y; /* [t->n] cells of one kind */
 };
 
-static const struct panel floquet_panel = {
-    "unstable",
-    320.0,
-    stability_floquet_kind,
-    {{CHART_GREY, "in both"}, {CHART_BLUE, "in the plant only"}, {CHART_RED, "in the method only"}}};
+static const struct panel floquet_panel = {"Floquet",
+                                           "white: stable in plant and method",
+                                           320.0,
+                                           stability_floquet_kind,
+                                           {{CHART_GREY, "unstable in plant and method"},
+                                            {CHART_BLUE, "unstable in the plant only"},
+                                            {CHART_RED, "unstable in the method only"}}};
 static const struct panel energy_panel = {"energy",
+                                          "white: energy within 5 %, no switch more or less",
                                           240.0,
                                           stability_energy_kind,
                                           {{CHART_BLUE, "energy lost, 5 % and more"},
@@ -38,9 +41,10 @@ static const struct panel energy_panel = {"energy",
                                            {CHART_GREY, "not finite"}}};
 static const struct panel switches_panel = {
     "switches",
+    NULL,
     240.0,
     stability_switches_kind,
-    {{CHART_BLUE, "contact switches missed"}, {CHART_RED, "switches that are none"}}};
+    {{CHART_BLUE, "contact switches missed"}, {CHART_RED, "contact switches that are none"}}};
 
 static double on_axis(const struct scene_range *r, double value)
 {
@@ -93,7 +97,7 @@ static void put_panel(const struct drawing *d, const struct panel *panel)
     double dy = half_cell(y);
     char title[FIGURE_TEXT], words[FIGURE_TEXT];
     scene_range_label(y, words, sizeof words);
-    snprintf(title, sizeof title, "%.40s: %.100s, upwards", panel->what, words);
+    snprintf(title, sizeof title, "%.40s: %.100s", panel->what, words);
     figure_panel(d->g, title, "", panel->height);
     figure_range(d->g, on_axis(y, y->values.from) - dy, on_axis(y, y->values.to) + dy);
     for (int k = 0; k < KINDS && panel->legend[k].name; k++)
@@ -111,7 +115,8 @@ const char *stability_draw(void *context, const struct rows_table *t, struct fig
         return "no memory";
     d.to = d.from + t->n;
     d.y = d.to + t->n;
-    snprintf(text, sizeof text, "%s, %d x %d cells", s->m.method->name, x->values.n, s->y.values.n);
+    snprintf(text, sizeof text, "%s, %d x %d cells; %s", s->m.method->name, x->values.n, s->y.values.n,
+             s->map == STABILITY_FLOQUET ? floquet_panel.white : energy_panel.white);
     figure_subtitle(g, text);
     figure_axis(g, &(struct figure_axis){x->words, x->unit, edge(x, x->values.from, -1.0),
                                          edge(x, x->values.to, 1.0), x->values.logarithmic});

@@ -192,7 +192,7 @@ function drawChart(c) {
   if (c.cursor >= range.x[0] && c.cursor <= range.x[1])
     chart.marker(c.cursor, "ink", quantity(c.cursor, s.x_unit, 6), []);
   const seen = new Set(), entries = strip ? [["closed", "blue"], ["open", "orange"]] : [];
-  for (const l of named.filter((l) => l.kind !== "cells"))
+  for (const l of named.filter((l) => l.name && l.kind !== "cells"))
     if (!seen.has(l.name) || finite(c.cursor))
       seen.add(l.name), entries.push([(l.name + " " + valueAt(l, c.cursor, s.log === "both" ? "log" : s.unit)).trim(), ink(l)]);
   if (span)

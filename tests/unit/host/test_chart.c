@@ -122,6 +122,66 @@ TEST(chart_image)
     check_image("\377\376", "//4=");
 }
 
+/* Finds the x of the anchor and the y of the base line of a text. */
+static bool find_text(const char *svg, const char *text, double at[2])
+{
+    char wanted[80];
+    snprintf(wanted, sizeof wanted, ">%s</text>", text);
+    const char *p = strstr(svg, wanted);
+    while (p && p > svg && strncmp(p, "<text", 5) != 0)
+        p--;
+    return p && sscanf(p, "<text x=\"%lf\" y=\"%lf\"", &at[0], &at[1]) == 2;
+}
+
+/* The panel is from 84 to 204 px; its lines are at 96 and 192 px, where labels would stand. */
+TEST(chart_labels_keep_clear_of_curves)
+{
+    const double x[] = {0.0, 10.0}, low[] = {1.0, 1.0}, high[] = {9.0, 9.0};
+    char text[20000] = "";
+    double marker[2] = {0.0, 0.0}, span[2] = {0.0, 0.0}, last[2] = {0.0, 0.0};
+    struct chart c;
+    FILE *f = tmpfile();
+    chart_begin(&c, "labels", "");
+    chart_x_range(&c, 0.0, 10.0);
+    chart_panel(&c, "y", 120.0, 0.0, 10.0);
+    chart_marker(&c, 5.0, "marker", CHART_RED);
+    chart_marker(&c, 10.0, "last", CHART_RED);
+    chart_span(&c, 2.0, 8.0, "span", CHART_GREY);
+    chart_line(&c, x, low, 2, CHART_BLUE, NULL);
+    chart_line(&c, x, high, 2, CHART_BLUE, NULL);
+    check_no_error("written", chart_end(&c, f));
+    rewind(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    check_true("the labels are there", find_text(text, "marker", marker) && find_text(text, "last", last) &&
+                                           find_text(text, "span", span));
+    check_is("the marker's stands over the lower line", marker[1], <, 192.0 - 1.0);
+    check_is("and below the middle", marker[1], >, 144.0);
+    check_near("beside its line", marker[0], 525.0 + 5.0, 0.01);
+    check_near("the last one on the left", last[0], 976.0 - 5.0, 0.01);
+    check_is("the span's stands below the upper line", span[1], >, 96.0 + 9.0);
+    check_is("and above the middle", span[1], <, 144.0);
+}
+
+TEST(chart_columns)
+{
+    struct chart c;
+    FILE *f = tmpfile();
+    chart_begin(&c, "columns", "");
+    double width = chart_column(&c, 0, 3);
+    chart_panel(&c, "a", 50.0, 0.0, 1.0);
+    double top = c.top, left = c.left;
+    check_near("three columns and two gaps are a panel wide", 3.0 * width + 2.0 * 48.0, 902.0, 1e-9);
+    check_near("columns are equally wide", chart_column(&c, 1, 3), width, 1e-9);
+    chart_panel(&c, "b", 50.0, 0.0, 1.0);
+    check_near("they stand side by side", c.top, top, 0.0);
+    check_near("with the gap between them", c.left - left, width + 48.0, 1e-9);
+    (void)chart_column(&c, 0, 1);
+    check_near("one column is the whole width", c.right, 976.0, 1e-9);
+    check_no_error("written", chart_end(&c, f));
+    fclose(f);
+}
+
 TEST(chart_gaps)
 {
     char *svg = NULL;

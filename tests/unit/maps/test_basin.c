@@ -1,5 +1,6 @@
 /* test_basin.c - starts, returns, clusters, intervals of
  * confidence: the parts of a basin map, against closed forms. */
+#include "host_sim/maps/basin/basin_cells.h"
 #include "host_sim/maps/basin/basin_clusters.h"
 #include "host_sim/maps/basin/basin_repeat.h"
 #include "host_sim/maps/basin/basin_starts.h"
@@ -197,4 +198,24 @@ TEST(basin_mirrors)
     check_int("its ends exchanged were not seen", c.attractor[1].image[IMAGE_ENDS], -1);
     check_int("a motion without period is no period-1 motion", c.attractor[0].count + c.attractor[1].count,
               5);
+}
+
+/* ---- cells ---- */
+
+/* Four starts, one at each corner of the unit square: each has the quarter that is next to it. */
+TEST(basin_cells_have_the_nearest_start)
+{
+    static struct basin_cells c;
+    const double x[] = {0.0, 1.0, 0.0, 1.0}, y[] = {0.0, 0.0, 1.0, 1.0};
+    int wrong = 0;
+    basin_cells_make(&c, x, y, 4);
+    for (int i = 0; i < BASIN_LINES * BASIN_COLUMNS; i++) {
+        int line = i / BASIN_COLUMNS, column = i % BASIN_COLUMNS;
+        wrong += c.start[line][column] != 2 * (line >= BASIN_LINES / 2) + (column >= BASIN_COLUMNS / 2);
+    }
+    check_int("cells of a start in another quarter", wrong, 0);
+    check_near("the last column ends at the last start", c.x + BASIN_COLUMNS * c.width, 1.0, 1e-12);
+    check_near("and the last line", c.y + BASIN_LINES * c.height, 1.0, 1e-12);
+    basin_cells_make(&c, x, y, 1);
+    check_int("one start spans no plane", c.start[0][0], -1);
 }
