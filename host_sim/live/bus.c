@@ -129,8 +129,7 @@ static const char *no_bus(const char *spec)
     return text;
 }
 
-/* Checks how the bus is written: NULL, or the mistake. */
-static const char *misspelt(const char *spec, const char *const *peer, int n_peers, enum bus_role role)
+const char *bus_misspelt(const char *spec, const char *const *peer, int n_peers, enum bus_role role)
 {
     bool udp = !strncmp(spec, "udp:", 4), memory = !strncmp(spec, "memory:", 7);
     if (!udp && !memory && strncmp(spec, "can:", 4))
@@ -162,7 +161,7 @@ int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
     if (!n && !strncmp(spec, "udp:", 4))
         for (; n < role_default[role].n_peers; n++)
             peer[n] = role_default[role].peer[n];
-    const char *wrong = misspelt(spec, peer, n, role);
+    const char *wrong = bus_misspelt(spec, peer, n, role);
     if (wrong)
         return options_misuse(o->usage, "%s", wrong);
     return bus_open(b, spec, peer, n, scene, why) ? 0 : options_failure(o->usage, "%s", why);

@@ -47,6 +47,9 @@ struct bus {
 bool bus_open(struct bus *b, const char *spec, const char *const *peer, int n_peers,
               const struct wire_scene *scene, char *why);
 
+/* Checks how a bus and its peers are written: NULL, or the mistake. */
+const char *bus_misspelt(const char *spec, const char *const *peer, int n_peers, enum bus_role role);
+
 /* Opens what --bus and --peer say, with the role's defaults. 0, or the exit status after a line on stderr. */
 int bus_open_options(struct bus *b, const struct options *o, enum bus_role role,
                      const struct wire_scene *scene);

@@ -9,6 +9,7 @@
 #include "host_sim/test/bench/device.h"
 #include "host_sim/maps/jobs.h"
 #include "host_sim/maps/jobs_workers.h"
+#include "host_sim/live/bus.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/test/bench/loops.h"
 #include "host_sim/test/bench/child.h"
@@ -502,9 +503,8 @@ static int check_addresses(const struct tests *t)
         return options_misuse(t->o->usage, "--realtime: a microscope is tested in lockstep; leave it out");
     if (bus && !realtime && !udp)
         return options_misuse(t->o->usage, "--bus %s: lockstep needs udp:HOST:PORT", bus);
-    return !bus || udp || !strncmp(bus, "can:", 4)
-               ? 0
-               : options_misuse(t->o->usage, "--bus %s: a bus is udp:PORT, udp:HOST:PORT or can:IFACE", bus);
+    const char *wrong = bus ? bus_misspelt(bus, NULL, 0, BUS_CONTROLLER) : NULL;
+    return wrong ? options_misuse(t->o->usage, "--bus %s: %s", bus, wrong) : 0;
 }
 
 /* A record is no golden log of any case, though that be missing: a run would be compared with itself. */

@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -54,6 +55,24 @@ def test(*arguments, **more):
 def left():
     """Processes that a controller left, by their command line."""
     return running(lambda line: line == MARK.replace(" ", "\0").encode() + b"\0")
+
+
+# ---- a bus that cannot be had ----
+
+
+def test_no_bus():
+    """In real time the case has the reason that monitor prints, and its controller is not blamed."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as held:
+        held.bind(("127.0.0.1", 0))
+        buses = ("can:none0", "udp:1.2.3.4:5", "udp:99999", "udp:127.0.0.1:%d" % held.getsockname()[1])
+        for command in (None, KEEP):
+            name = file_of(command)
+            for bus in buses:
+                m = subprocess.run([program, "monitor", "--bus", bus, "--duration", "0.1"], capture_output=True, text=True)
+                r = test(name, "--realtime", "--bus", bus, "--junit", path("j.xml"))
+                why = m.stderr.split(": ", 1)[1].split("; see")[0].strip()
+                wanted = 2 if m.returncode == 2 else 3
+                verdict("%s --realtime --bus %s: %s" % (command or "builtin", bus, why), r.returncode == wanted and why in r.stdout + r.stderr and "signal" not in r.stdout, (r.returncode, r.stdout, r.stderr, m.stderr))
 
 
 # ---- controllers that harm the bench ----
@@ -282,6 +301,6 @@ def test_golden():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_harm, test_before, test_ends, test_lines, test_names, test_junit, test_again, test_golden):
+    for part in (test_no_bus, test_harm, test_before, test_ends, test_lines, test_names, test_junit, test_again, test_golden):
         part()
 conclude()

@@ -449,6 +449,21 @@ static void measure(struct device *d)
     d->wire.measures = false;
 }
 
+/* Only a client on an open bus is asked to let go. */
+static void run_case(struct device *d)
+{
+    d->frame_s = d->plant.scene.config.frame_s;
+    d->substeps = d->plant.scene.config.substeps;
+    if (!open_bus(d))
+        return;
+    if (prepare_plant(d))
+        measure(d);
+    let_go(d);
+    verdict_end_record(d->s, d->r, &d->bus);
+    verdict_compare(d->s, &d->plant.scene, d->record.path, d->wire.zero, !d->at.can && !d->wire.echoes, d->r);
+    end_echo(d);
+}
+
 void device_run(const struct bench_setting *s, struct bench_result *r)
 {
     static struct device d; /* large: not on the stack */
@@ -460,18 +475,10 @@ void device_run(const struct bench_setting *s, struct bench_result *r)
     d.c = &s->test->cases[r->i_case];
     d.echo_before = (double)NAN;
     double begin_s = clock_now_s();
-    if (!bench_plant_open(&d.plant, s->test, d.c, r->varied ? &r->varied_value : NULL, why)) {
+    if (!bench_plant_open(&d.plant, s->test, d.c, r->varied ? &r->varied_value : NULL, why))
         controller_fail(r, "%s%s", why, "");
-    } else if (check_case(&d)) {
-        d.frame_s = d.plant.scene.config.frame_s;
-        d.substeps = d.plant.scene.config.substeps;
-        if (open_bus(&d) && prepare_plant(&d))
-            measure(&d);
-        let_go(&d);
-        verdict_end_record(s, r, &d.bus);
-        verdict_compare(s, &d.plant.scene, d.record.path, d.wire.zero, !d.at.can && !d.wire.echoes, r);
-        end_echo(&d);
-    }
+    else if (check_case(&d))
+        run_case(&d);
     r->plant_s = fmin(d.wire.now_s, d.c->over_s);
     r->took_s = clock_now_s() - begin_s;
     bus_close(&d.bus);
