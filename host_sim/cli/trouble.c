@@ -57,6 +57,13 @@ void trouble_faults(unsigned faults, char *text, size_t size)
             append(text, size, "%s", trouble_fault[i].name);
 }
 
+void trouble_note_faults(unsigned faults, char text[TROUBLE_TEXT])
+{
+    char names[TROUBLE_TEXT / 2];
+    trouble_faults(faults, names, sizeof names);
+    snprintf(text, TROUBLE_TEXT, *names ? " (%s)" : "%s", names);
+}
+
 static bool is_refusal(int counter)
 {
     return counter >= DIAG_CRC && counter <= DIAG_SELF_TEST && counter != DIAG_LOST;

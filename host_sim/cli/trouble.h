@@ -16,6 +16,9 @@ extern const struct named trouble_fault[TROUBLE_FAULTS];
 /* The names of the bits of FAULTS, with commas between; "" for none. */
 void trouble_faults(unsigned faults, char *text, size_t size);
 
+/* Behind the number or the state that they belong to: " (overrun, timeout)"; "" for none. */
+void trouble_note_faults(unsigned faults, char text[TROUBLE_TEXT]);
+
 /* The causes of what was refused with how often, from count[DIAG_COUNTERS]; "" for none. */
 void trouble_refusals(const uint32_t *count, char *text, size_t size);
 

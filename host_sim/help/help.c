@@ -3,6 +3,7 @@
 #include "host_sim/help/help.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/paragraph.h"
+#include "host_sim/cli/trouble.h"
 #include "host_sim/commands.h"
 #include "host_sim/help/advice.h"
 #include "host_sim/help/pages.h"
@@ -39,7 +40,8 @@ static const struct usage help_usage = {
                "a word it\n"
                "prints the subcommands and the names of all pages.",
     .words_help = "PAGE is a name as of the list, or a path as other pages have it: docs/guide/fmi.md.\n"
-                  "With --search words stand there, with --errors a name or words of a message.\n",
+                  "With --search words stand there, with --errors a name, a value of FAULTS,\n"
+                  "or words of a message.\n",
     .examples = "  contactplant help embedding\n"
                 "  contactplant help --search early return\n"
                 "  contactplant help --errors stale\n",
@@ -182,6 +184,20 @@ static bool print_advice_on(const char *word)
     return found;
 }
 
+/* The bits of FAULTS: `40`, `0x28`, or with FAULTS= before them in a line of monitor. */
+static bool print_faults_in(const char *text)
+{
+    static const char key[] = "FAULTS=";
+    const char *at = strstr(text, key), *number = at ? at + strlen(key) : text;
+    char *end;
+    unsigned long faults = strtoul(number, &end, 0);
+    bool told = *number >= '0' && *number <= '9' && (at || !*end) && faults && faults < 1u << TROUBLE_FAULTS;
+    for (int i = 0; told && i < TROUBLE_FAULTS; i++)
+        if (faults >> i & 1u)
+            print_advice(trouble_fault[i].name);
+    return told;
+}
+
 /* Messages that the page of errors has. */
 static bool print_messages(const struct options *o, const char *text)
 {
@@ -226,7 +242,8 @@ static int errors(const struct options *o)
             print_advice(advice_name(i));
         return STATUS_DONE;
     }
-    bool known = print_advice_on(text) || print_messages(o, text) || print_names_in(text);
+    bool known =
+        print_advice_on(text) || print_faults_in(text) || print_messages(o, text) || print_names_in(text);
     return known ? STATUS_DONE : no_advice(text);
 }
 

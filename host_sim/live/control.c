@@ -3,6 +3,7 @@
  * firmware/bus/wire.h. */
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
+#include "host_sim/cli/trouble.h"
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/live/lockstep.h"
@@ -107,6 +108,19 @@ static double keep_contact(struct client *c, const struct scene_app *s, uint64_t
     return force_N;
 }
 
+/* A plant in its fault state takes nothing but a reset. */
+static int refuse(const struct options *o, const struct client *c, const char *why)
+{
+    char faults[TROUBLE_TEXT];
+    trouble_note_faults(c->latest.faults, faults);
+    if (c->latest.state != STATE_FAULT)
+        return options_failure(o->usage, "%s", why);
+    return options_failure(o->usage,
+                           "the plant is in its state fault%s; contactplant send reset clears it, and "
+                           "contactplant help --errors explains the names",
+                           faults);
+}
+
 static int control(const struct options *o, struct client *c, const struct scene_app *s)
 {
     char why[EXPLAIN_REASON];
@@ -120,7 +134,7 @@ static int control(const struct options *o, struct client *c, const struct scene
         return options_failure(o->usage, "%s", why);
     }
     if (!start_plant(c, lockstep))
-        return options_failure(o->usage, "the plant does not start; contactplant send reset clears a fault");
+        return refuse(o, c, "the plant does not start; contactplant send reset clears a fault");
     if (amplitude_N > 0.0) {
         client_arm(c, FORCE, amplitude_N, frequency_Hz, 0.0, 1.0);
         client_fire(c, 1u << FORCE, false, c->latest.tick + (uint64_t)FIRE_LEAD * s->config.substeps, 0.0);
@@ -132,8 +146,7 @@ static int control(const struct options *o, struct client *c, const struct scene
     bool lost = !client_in_session(c), stopped = c->latest.reaction == REACTION_STOP;
     client_control(c, CONTROL_STOP, 0); /* the plant takes it from anybody; it ends the session, too */
     if (!client_wait_state(c, STATE_STOPPED, plant_patience_s))
-        return options_failure(
-            o->usage, "the plant did not confirm the stop; send it again with contactplant send stop");
+        return refuse(o, c, "the plant did not confirm the stop; send it again with contactplant send stop");
     if (lost)
         return options_failure(o->usage, "the plant ended the session: %s",
                                stopped ? "somebody stopped it"

@@ -6,6 +6,7 @@
 #include "host_sim/live/explain.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
+#include "host_sim/cli/trouble.h"
 #include "host_sim/replay/monitor_rows.h"
 #include "host_sim/live/remote.h"
 #include "host_sim/out/cell.h"
@@ -76,6 +77,13 @@ static void print_value(const struct model *m, const struct field *f, double val
         cell_put(stdout, value, 9);
 }
 
+static void print_faults(unsigned faults)
+{
+    char names[TROUBLE_TEXT];
+    trouble_note_faults(faults, names);
+    printf("%s", names);
+}
+
 static void print_line(const struct monitor *k, const struct message *m, const struct message_layout *l)
 {
     const struct model *model = k->remote.scene.config.model;
@@ -89,6 +97,8 @@ static void print_line(const struct monitor *k, const struct message *m, const s
             printf("%s%s", *unit ? " " : "", unit);
         else
             printf("(not available)");
+        if (m->kind == WIRE_STATUS && i == STATUS_FAULTS)
+            print_faults((unsigned)m->value[i]);
     }
     printf("\n");
 }

@@ -2,6 +2,7 @@
 #include "firmware/bus/wire_table.h"
 #include "firmware/plant/plant_report.h"
 #include "host_sim/plants/plants.h"
+#include "host_sim/cli/trouble.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
 
@@ -182,9 +183,11 @@ void plants_report(const struct plants *p)
     for (int i = 0; i < p->n; i++) {
         const struct plants_one *one = &p->one[i];
         const struct app *a = &one->scene.app;
-        printf("0x%X %s: %s, plant time %.6f s, hash %016llx, faults %u, missed %u\n",
+        char faults[TROUBLE_TEXT];
+        trouble_note_faults(one->faults, faults);
+        printf("0x%X %s: %s, plant time %.6f s, hash %016llx, faults %u%s, missed %u\n",
                one->scene.config.base_id, one->name, state_of(one), plant_time(&a->plant),
-               (unsigned long long)plant_hash(&a->plant), one->faults, a->count[DIAG_FRAMES_MISSED]);
+               (unsigned long long)plant_hash(&a->plant), one->faults, faults, a->count[DIAG_FRAMES_MISSED]);
     }
 }
 

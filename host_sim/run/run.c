@@ -13,6 +13,7 @@
 #include "host_sim/run/neighbours.h"
 #include "host_sim/run/run_report.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/cli/trouble.h"
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/scope/scope_child.h"
@@ -172,7 +173,7 @@ static void print_status(struct run *s)
     const struct app *a = &s->scene->app;
     const struct model *m = s->scene->config.model;
     double output[MODEL_OUTPUTS];
-    char states[BUS_REASON];
+    char states[BUS_REASON], faults[TROUBLE_TEXT];
     if (s->plants.n > 1) {
         plants_states(&s->plants, states, sizeof states);
         fprintf(stderr, "%8.1f s  %s  missed %llu\n", (double)a->frame * s->period_s, states,
@@ -180,8 +181,9 @@ static void print_status(struct run *s)
         return;
     }
     plant_output(&a->plant, output);
-    fprintf(stderr, "%8.1f s  %-8s plant %.3f s ", (double)a->frame * s->period_s,
-            names_text(m, NAMES_STATE, (unsigned)a->state), plant_time(&a->plant));
+    trouble_note_faults(a->faults, faults);
+    fprintf(stderr, "%8.1f s  %-8s%s plant %.3f s ", (double)a->frame * s->period_s,
+            names_text(m, NAMES_STATE, (unsigned)a->state), faults, plant_time(&a->plant));
     for (int i = 0; i < m->n_outputs && i < 4; i++)
         fprintf(stderr, " %s %.4g %s", m->output_signal[i].name, output[i], m->output_signal[i].unit);
     fprintf(stderr, "  touchdowns+lift-offs %u  command age %u  missed %llu\n", a->plant.counts.switches,
@@ -369,15 +371,17 @@ static void report_plant(const struct run *s)
 {
     const struct app *a = &s->scene->app;
     const struct model *m = s->scene->config.model;
+    char faults[TROUBLE_TEXT];
     if (s->compute.n && s->scene->scene.cost_s > 0.0)
         print_cost(s);
     if (s->compute.n && !s->lockstep.on) {
         print_histogram("lateness", &a->timing.lateness);
         print_histogram("compute", &a->timing.compute);
     }
-    printf("plant time %.6f s, tick %llu, hash %016llx, state %s\n", plant_time(&a->plant),
+    trouble_note_faults(a->faults, faults);
+    printf("plant time %.6f s, tick %llu, hash %016llx, state %s%s\n", plant_time(&a->plant),
            (unsigned long long)a->plant.now.tick, (unsigned long long)plant_hash(&a->plant),
-           names_text(m, NAMES_STATE, (unsigned)a->state));
+           names_text(m, NAMES_STATE, (unsigned)a->state), faults);
     if (a->plant.method == &auto_method) /* parameters may have turned the choice since the banner */
         printf("method %s, chosen by auto\n", scene_method(s->scene)->name);
     if (s->bus.faults)

@@ -10,6 +10,7 @@
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options_nearest.h"
+#include "host_sim/cli/trouble.h"
 #include "host_sim/commands.h"
 #include "host_sim/out/json.h"
 
@@ -90,10 +91,12 @@ int run_outcome_tell(const struct run_outcome *r, const struct options *o)
     const double n[CAUSES_OF_FAILURE] = {
         [MISSED] = (double)r->missed, [LATE] = r->app->count[DIAG_LATE], [FAULT] = r->faults};
     int status = STATUS_DONE;
+    char names[TROUBLE_TEXT];
+    trouble_note_faults(r->faults, names);
     for (int i = 0; i < CAUSES_OF_FAILURE; i++)
         if (list && has(list, cause_name[i]) && n[i] > 0.0)
             status = options_failure(o->usage, "--fail-on %s: %.0f%s", cause_name[i], n[i],
-                                     i == FAULT ? ", the bits of FAULTS that were set" : "");
+                                     i == FAULT ? names : "");
     if (json && !write_json(r, json))
         status = options_failure(o->usage, "--json %s cannot be written: %s", json, strerror(errno));
     return status;

@@ -125,6 +125,10 @@ said = subprocess.run([program, "control", "--bus", "udp:127.77.0.1:%d" % (20000
                       stderr=subprocess.STDOUT, text=True).stdout.strip().split("\n")[-1]
 verdict("a whole line of the program, as it was printed: %.60s" % said, "no plant answers\n  -> Start one" in run("--errors", said).stdout, said)
 verdict("a name in a line of send", run("--errors", "FIRE: late, 12 ticks").stdout == r.stdout)
+both = run("--errors", "overrun").stdout + run("--errors", "timeout").stdout
+for said in ("40", "0x28", "FAULTS=40", "7 STATUS SESSION=1 STATE=fault FAULTS=40 (overrun, timeout) FRAME=3", "--fail-on fault: 40 (overrun, timeout)"):
+    verdict("faults by their number or names: %s" % said, run("--errors", "--", said).stdout == both, run("--errors", "--", said).stdout)
+refused("a number with other bits", "nothing is known", 2, "--errors", "256")
 refused("an empty word", "a word is empty", 2, "--errors", "")
 refused("no such error", 'nothing is known about "late_"; did you mean late?', 2, "--errors", "late_")
 

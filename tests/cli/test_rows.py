@@ -4,10 +4,13 @@
 import csv
 import json
 import os
+import re
+import signal
 import socket
 import subprocess
 import sys
 import tempfile
+import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
@@ -80,6 +83,19 @@ def test_monitor():
     verdict("  and the log is as it was", os.path.getsize(os.path.join(directory, "run.log")) == size)
 
 
+def test_fault():
+    """A plant that was held up under the policy stop: its controller says which fault it has."""
+    plant = start("--duration", "20", "--overrun", "stop")
+    send("start")
+    plant.send_signal(signal.SIGSTOP)
+    time.sleep(0.3)
+    plant.send_signal(signal.SIGCONT)
+    r = run("control", "--bus", "udp:" + host + "20001", "--peer", host + "20000", "--rate", "200", "--substeps", "320", "--duration", "1")
+    plant.terminate()
+    out, _ = plant.communicate()
+    verdict("control and run name the fault of a plant: %s" % r.stderr.strip(), r.returncode == 1 and "in its state fault (overrun" in r.stderr and "state fault (overrun" in out, out + r.stdout)
+
+
 def test_outcome():
     plant = start("--duration", "0.5", "--json", "a.json", "--fail-on", "fault,late")
     out, told = plant.communicate()
@@ -89,10 +105,12 @@ def test_outcome():
     verdict("run --json: the report's numbers", plant.returncode == 0 and data["frames"] + data["missed"] == 100 and data["state"] == "off" and hashed and data["counters"]["timeouts"] == 0, out + told)
     plant = start("--duration", "2", "--json", "b.json", "--fail-on", "fault")
     send("start")  # and no heartbeat afterwards
+    heard = monitor("--only", "STATUS", "--duration", "0.8")
     out, told = plant.communicate()
     with open(os.path.join(directory, "b.json")) as f:
         data = json.load(f)
-    verdict("run --fail-on fault: status 1 after a time-out", plant.returncode == 1 and "--fail-on fault: 32" in told and data["faults"] == 32 and data["counters"]["timeouts"] == 1, told)
+    verdict("run --fail-on fault: status 1 after a time-out", plant.returncode == 1 and "--fail-on fault: 32 (timeout)" in told and data["faults"] == 32 and data["counters"]["timeouts"] == 1, told)
+    verdict("  its report and monitor name the fault", re.search("hash [0-9a-f]{16}, state [a-z]+ .timeout.$", out, re.M) and "FAULTS=32 (timeout) " in heard.stdout, out + heard.stdout[-300:] + heard.stderr)
     r = run("run", "--bus", "udp:" + host + "20000", "--rate", "20000", "--duration", "0.3", "--fail-on", "missed,late", "--json", "c.json")
     with open(os.path.join(directory, "c.json")) as f:
         missed = json.load(f)["missed"]
@@ -104,5 +122,6 @@ def test_outcome():
 
 with tempfile.TemporaryDirectory() as directory:
     test_monitor()
+    test_fault()
     test_outcome()
 conclude()
