@@ -513,7 +513,7 @@ def test_bad_data():
 
 def test_interrupted():
     """A fit of long records, and Ctrl-C in it: what was found is told."""
-    rows = record(6000, 2e-4, 3e-6, 2, 230, 2e-8, 5)
+    rows = record(18000, 2e-4, 3e-6, 2, 230, 2e-8, 5)
     put("long.csv", "# noise = 20 nm\ntime_s,displacement_m,force_N\n" + "".join("%.9g,%.9g,%.9g\n" % row for row in rows))
     p = subprocess.Popen([program, "fit", "rig.ini", "--series", "long.csv", "--out", "no.ini"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory)
     progress = p.stderr.readline()  # after ten seconds: it is at work then

@@ -91,7 +91,7 @@ static void any_plant(const struct model *m)
     pl.model = m;
     pl.method = &any_method;
     pl.step = any_step;
-    pl.run = NULL;
+    pl.bind_run = NULL;
     pl.event_x = NULL;
     pl.h = pl.ticks_per_time = 1.0; /* times in ticks: both only scale */
     pl.force = eva_bool();
