@@ -193,6 +193,11 @@ int afm_bench_run(struct afm_bench *b, uint64_t samples)
     return 0;
 }
 
+int afm_bench_run_on(struct afm_bench *b, uint64_t samples)
+{
+    return clock_interrupted() ? options_failure(b->usage, "interrupted") : afm_bench_run(b, samples);
+}
+
 /* The z loop holds this, a deflection or an amplitude. */
 static double set_deflection(const struct afm_bench *b)
 {
@@ -220,8 +225,8 @@ int afm_bench_engage(struct afm_bench *b)
     int status = afm_bench_run(b, (uint64_t)(5.0 * ring / s->sample_s) + 1); /* the lever rings up */
     uint64_t piece = (uint64_t)(ring / s->sample_s) + 1;
     piece = station_swings(b->number) && piece < s->swing.samples ? s->swing.samples : piece;
-    for (double t = 0.0; t < most && !status && !clock_interrupted(); t += (double)piece * s->sample_s) {
-        status = afm_bench_run(b, piece);
+    for (double t = 0.0; t < most && !status; t += (double)piece * s->sample_s) {
+        status = afm_bench_run_on(b, piece);
         low = fmin(low, s->error_m);
         high = fmax(high, s->error_m);
         if (fabs(s->error_m) < limit || low * high < 0.0)

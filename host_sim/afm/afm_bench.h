@@ -37,6 +37,9 @@ void afm_bench_warn(const struct afm_bench *b);
 /* Runs so many samples. */
 int afm_bench_run(struct afm_bench *b, uint64_t samples);
 
+/* As afm_bench_run; Ctrl-C before it is a failure, with a line on stderr. After clock_catch_signals. */
+int afm_bench_run_on(struct afm_bench *b, uint64_t samples);
+
 /* Lets the z loop find the surface and settle. */
 int afm_bench_engage(struct afm_bench *b);
 

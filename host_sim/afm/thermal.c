@@ -8,6 +8,7 @@
 #include "host_sim/afm/afm_bench.h"
 #include "host_sim/afm/thermal.h"
 #include "host_sim/cli/chart.h"
+#include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
 
 static const double boltzmann = 1.380649e-23;
@@ -80,9 +81,10 @@ int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
         return options_misuse(b->usage, too_short, rounded_up * 2.0 * (double)length * s->sample_s);
     if (!spectrum_init(&t->spectrum, length, s->sample_s))
         return options_failure(b->usage, "out of memory");
+    clock_catch_signals();
     int status = afm_bench_run(b, (uint64_t)(5.0 * ring / s->sample_s));
     for (uint64_t i = 0; i < samples && !status; i++) {
-        status = afm_bench_run(b, 1);
+        status = afm_bench_run_on(b, 1);
         spectrum_add(&t->spectrum, s->out.deflection_m);
     }
     spectrum_finish(&t->spectrum);

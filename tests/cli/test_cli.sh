@@ -1092,6 +1092,14 @@ has "demo afm: parachuting is shaded" "$dir/demo/afm.svg" 'fill="#d55e00" fill-o
 refuses 2 "write afm" demo fma
 "$program" thermal --seconds 1 --out "$dir/heat.csv" --svg "$dir/heat.svg" >"$dir/err"
 is "thermal, status" $? 0
+"$program" thermal soft --seconds 3600 >"$dir/hot.out" 2>"$dir/hot.err" &
+children="$children $!"
+pid=$!
+until_true grep -q "SigCgt:.*[2367abef]$" /proc/$pid/status # it catches SIGINT
+kill -INT $pid
+wait $pid
+is "thermal and Ctrl-C, status" $? 1
+has "thermal and Ctrl-C, said" "$dir/hot.err" "^contactplant thermal: interrupted$"
 has "thermal: columns" "$dir/heat.csv" "^frequency_Hz,density_m2_per_Hz,fit_m2_per_Hz"
 has "thermal: a picture" "$dir/heat.svg" "fitted oscillator"
 near "thermal: stiffness, N/m" "$(sed -n 's/.*over it: \([0-9.]*\) N.*/\1/p' "$dir/err")" 2 0.34
