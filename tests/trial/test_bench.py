@@ -16,7 +16,7 @@ import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../house"))
 from processes import running  # noqa: E402
-from verdicts import conclude, verdict  # noqa: E402
+from verdicts import conclude, equal, verdict  # noqa: E402
 
 build = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build")
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -73,6 +73,9 @@ def test_no_bus():
                 why = m.stderr.split(": ", 1)[1].split("; see")[0].strip()
                 wanted = 2 if m.returncode == 2 else 3
                 verdict("%s --realtime --bus %s: %s" % (command or "builtin", bus, why), r.returncode == wanted and why in r.stdout + r.stderr and "signal" not in r.stdout, (r.returncode, r.stdout, r.stderr, m.stderr))
+    name = file_of("false")
+    equal("a case in error with --junit: status", test(name, "--junit", path("j.xml")).returncode, 3)
+    equal("  and where that cannot be written", test(name, "--junit", "/dev/full").returncode, 1)
 
 
 # ---- controllers that harm the bench ----
