@@ -7,6 +7,7 @@ import os
 import random
 import re
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -263,6 +264,29 @@ def test_plant_logs():
     verdict("  with the CRC-32 of the log", crc in text and "data: plant.a.log" in text, text[:500])
     r = fit("--log", "plant.b.log")
     verdict("the log of another rate is another plant's", r.returncode == 2 and "is of another plant" in r.stderr and r.stderr.count("\n") == 1, told(r))
+
+
+def test_ended_logs():
+    """The part before an end or a time-out is judged by the drive that acted in it, and ends where that was told last."""
+    drawn = {"mass": 6.5, "stiffness": 3.4e9, "preload": 64, "damping": 188}
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as a, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as b:
+        a.bind(("127.0.0.1", 0))
+        b.bind(("127.0.0.1", 0))
+        own, other = ("127.0.0.1:%d" % s.getsockname()[1] for s in (a, b))
+    plant = subprocess.Popen([program, "run", "rig.ini", "--lockstep", "--bus", "udp:" + own, "--peer", other, "--log", "ended.log"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=directory)
+    run("control", "rig.ini", "--lockstep", "--bus", "udp:" + other, "--peer", own, "--duration", "6")
+    plant.communicate(timeout=60)
+    r = fit("--log", "ended.log")
+    got = table(r.stdout)
+    verdict("the log of a run that ended gives all four", r.returncode == 0 and all(abs(got[k][0] / drawn[k] - 1) < 1e-3 for k in drawn), told(r))
+    lines = open(os.path.join(directory, "ended.log")).read().splitlines()
+    last = max(i for i, line in enumerate(lines) if re.search(" 218#..0.0000", line))  # channel 0, amplitude
+    COUNTERS[0x218] = (int(lines[last].split("#")[1][3], 16) - 1) % 15
+    silent = lines[last].split("#")[0] + "#" + can(0, "udp", 0x218, 0, bytes(6)).split("#")[1]
+    put("silent.log", "\n".join(lines[:last] + [silent]) + "\n")
+    r = fit("--log", "silent.log")
+    got = table(r.stdout)
+    verdict("  and the part before an echo of amplitude 0 does", r.returncode == 0 and all(abs(got[k][0] / drawn[k] - 1) < 1e-3 for k in drawn), told(r))
 
 
 def ring_text(rows, head="# noise = 20 nm\ntime_ms,displacement_um\n"):
@@ -544,6 +568,7 @@ test_forms()
 test_records()
 test_logs()
 test_plant_logs()
+test_ended_logs()
 test_levers()
 test_plant_levers()
 test_bad_levers()

@@ -75,11 +75,13 @@ static bool take_echo(struct log_drives *d, const struct message *m, uint64_t ti
     }
     bool other = differs(t, field, value);
     if (other) {
+        d->holds_tick = t->told_tick[field];
         t->told = 0;
         t->begin_tick = (double)NAN;
     }
     t->value[field] = t->told & BIT(field) ? t->value[field] : value;
     t->told |= BIT(field);
+    t->told_tick[field] = tick;
     return other;
 }
 
@@ -89,11 +91,13 @@ static bool moves(int state)
 }
 
 /* A run that ends, or a reaction, moves the drives. */
-static bool take_status(struct log_drives *d, const struct message *m)
+static bool take_status(struct log_drives *d, const struct message *m, uint64_t tick)
 {
     int state = (int)m->value[STATUS_STATE], reaction = (int)m->value[STATUS_REACTION];
     bool ends = moves(d->state) && !moves(state);
     bool reacts = d->reaction == 0 && reaction != 0;
+    d->holds_tick = d->status_tick;
+    d->status_tick = tick;
     d->state = state;
     d->reaction = reaction;
     return ends || reacts ? forget(d) : false;
@@ -103,6 +107,7 @@ bool log_drives_take(struct log_drives *d, const struct message *m, uint64_t tic
 {
     if (m->kind >= WIRE_ARM && m->kind < WIRE_ARM + MODEL_INPUTS && (int)m->value[ARM_FIELD] == ARM_RAMP)
         d->tone[m->kind - WIRE_ARM].ramp_s = m->value[ARM_VALUE];
+    d->holds_tick = tick;
     if (m->kind == WIRE_SYNC && !d->begun) {
         for (int i = 0; i < MODEL_INPUTS && m->value[SYNC_TICK] > 0.0; i++)
             d->tone[i].begin_tick = (double)NAN; /* a FIRE may have been before */
@@ -114,7 +119,7 @@ bool log_drives_take(struct log_drives *d, const struct message *m, uint64_t tic
         (int)m->value[REPLY_CAUSE] != CAUSE_OK)
         return forget(d);
     if (m->kind == WIRE_STATUS)
-        return take_status(d, m);
+        return take_status(d, m, tick);
     return m->kind == WIRE_DRIVE_ECHO ? take_echo(d, m, tick) : m->kind == WIRE_PARAM_COMMIT;
 }
 

@@ -10,10 +10,11 @@
 #include "models/model.h"
 
 struct log_tone {
-    double value[ARM_FIELDS]; /* bus units */
-    unsigned told;            /* bit f: value[f] is known */
-    double ramp_s;            /* armed for the next FIRE */
-    double begin_tick;        /* where it began at its phase; NaN: not known */
+    double value[ARM_FIELDS];       /* bus units */
+    unsigned told;                  /* bit f: value[f] is known */
+    double ramp_s;                  /* armed for the next FIRE */
+    double begin_tick;              /* where it began at its phase; NaN: not known */
+    uint64_t told_tick[ARM_FIELDS]; /* the newest echo of the field */
 };
 
 struct log_drives {
@@ -21,6 +22,8 @@ struct log_drives {
     struct log_tone tone[MODEL_INPUTS];
     uint64_t acts_tick;    /* the last FIRE acts here */
     uint64_t settled_tick; /* from here on no ramp runs */
+    uint64_t holds_tick;   /* the part that ended holds up to here */
+    uint64_t status_tick;  /* the newest STATUS */
     int state, reaction;   /* as STATUS tells; -1: none came */
     bool begun;
     bool echoes; /* the log tells tones */

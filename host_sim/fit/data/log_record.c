@@ -159,10 +159,12 @@ static void keep(struct reading *g, int input, int first, int n)
                                    .phase_known = !isnan(phase)};
 }
 
-/* The part ends here. */
-static void end_part(struct reading *g)
+/* The part ends here, and its drive was as told up to this tick. */
+static void end_part(struct reading *g, uint64_t holds_tick)
 {
-    const struct part *p = &g->part;
+    struct part *p = &g->part;
+    while (p->n && p->first + (uint64_t)p->n - 1 > holds_tick / g->app.config.substeps)
+        p->n--;
     int input = 0, first = 0, n = p->n;
     enum flaw flaw = n < LOG_LEAST ? FLAW_SHORT : find_input(g, &input);
     if (flaw == FLAWS && (p->streamed >> input & 1u)) {
@@ -179,6 +181,7 @@ static void take(struct reading *g, const struct message *m)
 {
     struct decode_row row;
     unsigned run = g->rows.row.run;
+    struct log_drives before = g->drives, now;
     bool ends = log_drives_take(&g->drives, m, g->rows.row.tick);
     if (m->kind >= WIRE_STREAM && m->kind < WIRE_STREAM + MODEL_INPUTS)
         take_sample(g, m->kind - WIRE_STREAM, m->value[STREAM_FRAME], m->value[STREAM_SAMPLE]);
@@ -186,8 +189,12 @@ static void take(struct reading *g, const struct message *m)
         take_sample(g, m->kind - WIRE_STREAM_ECHO, m->value[STREAM_ECHO_FRAME], m->value[STREAM_ECHO_SAMPLE]);
     if (decode_take(&g->rows, m, &row))
         take_row(g, &row);
-    if (ends || g->rows.row.run != run)
-        end_part(g);
+    if (ends || g->rows.row.run != run) {
+        now = g->drives;
+        g->drives = before; /* the part is judged by the drive that acted in it */
+        end_part(g, ends ? now.holds_tick : UINT64_MAX);
+        g->drives = now;
+    }
     if (g->rows.row.run != run)
         log_drives_begin(&g->drives, g->app.app.plant.tick_s);
 }
@@ -263,7 +270,7 @@ static int read_rows(const struct options *o, struct reading *g)
     decode_end(&g->rows, &last);
     if (g->rows.begun)
         take_row(g, &last);
-    end_part(g);
+    end_part(g, UINT64_MAX);
     if (!g->values)
         return refuse(o, g);
     g->record.size = record_deviation(g->record.y, g->record.n);
