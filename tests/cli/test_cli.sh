@@ -1087,7 +1087,7 @@ printf 'x' >>"$dir/scan/height.gsf"
 refuses 2 "wrong size" scan --surface "$dir/scan/height.gsf"
 runs 0 "demo afm, status" demo afm --out "$dir/demo"
 has "demo afm: verdicts" "$dir/out" "^scan: largest force [12].* nN, 0 crashes above 100 nN; off the surface in [1-4]\\.. %"
-is "demo afm: three images in the picture" "$(grep -c 'data:image/png;base64' "$dir/demo/afm.svg")" 3
+is "demo afm: three images and their grey scales in the picture" "$(grep -c 'data:image/png;base64' "$dir/demo/afm.svg")" 6
 has "demo afm: parachuting is shaded" "$dir/demo/afm.svg" 'fill="#d55e00" fill-opacity=".13"'
 refuses 2 "write afm" demo fma
 "$program" thermal --seconds 1 --out "$dir/heat.csv" --svg "$dir/heat.svg" >"$dir/err"
