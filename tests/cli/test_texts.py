@@ -101,7 +101,7 @@ def programs_of_a_scene(name):
     verdict("run --json", json.loads(read("o.json"))["model"] == "hertz_rig")
     same("run --report", data_of(read("o.html"))["title"], "run " + text_of(scene))
     run("decode", log, scene, "--svg", "o.svg", "--report", "o.html", "--out", "o.csv")
-    same("decode --svg", title_of(read("o.svg")), "contactplant decode")
+    same("decode --svg, as far as there is room", title_of(read("o.svg")), "contactplant decode " + xml_text_of(first(log, 100)))
     same("decode --report", data_of(read("o.html"))["title"], "decode " + text_of(log))
     wrong = run("simulate", scene + b".none")
     told = wrong.stderr.decode("utf-8", "surrogateescape")
