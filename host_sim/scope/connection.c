@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <netinet/in.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -28,11 +29,14 @@ const char connection_no_room[] =
     "503 Service Unavailable: every connection of the scope is taken; close one "
     "and try again\n";
 
-void connection_begin(struct connection *c, int socket, uint32_t address)
+bool connection_begin(struct connection *c, int socket, uint32_t address)
 {
     struct sockaddr_in at = {0};
     socklen_t size = sizeof at;
     const int room = CONNECTION_SEND_BUFFER;
+    c->first = malloc(CONNECTION_FIRST);
+    if (!c->first)
+        return false;
     c->state = CONNECTION_READS;
     c->socket = socket;
     c->address = address;
@@ -45,6 +49,7 @@ void connection_begin(struct connection *c, int socket, uint32_t address)
     (void)getsockname(socket, (struct sockaddr *)&at, &size);
     if (!inet_ntop(AF_INET, &at.sin_addr, c->local, sizeof c->local))
         c->local[0] = '\0';
+    return true;
 }
 
 void connection_close(struct connection *c, struct site *s)
@@ -54,6 +59,8 @@ void connection_close(struct connection *c, struct site *s)
         page_send_leave(&s->control, c->plant, c->command);
     if (c->state != CONNECTION_FREE)
         close(c->socket);
+    free(c->first);
+    c->first = NULL;
     c->state = CONNECTION_FREE;
 }
 
@@ -71,7 +78,7 @@ static void answer_sentence(struct connection *c, enum http_status status, const
     char sentence[SENTENCE];
     int n = snprintf(sentence, sizeof sentence, "%d %s: %s\n", (int)status, http_phrase(status), why);
     c->n_first =
-        (size_t)snprintf(c->first, sizeof c->first,
+        (size_t)snprintf(c->first, CONNECTION_FIRST,
                          "HTTP/1.1 %d %s\r\nContent-Type: text/plain; charset=utf-8\r\n"
                          "Content-Length: %d\r\n%s" ALWAYS "\r\n%s",
                          (int)status, http_phrase(status), n,
@@ -83,7 +90,7 @@ static void answer_file(struct connection *c, const struct page_file *f, bool he
 {
     size_t n = (size_t)(f->end - f->begin);
     c->n_first = (size_t)snprintf(
-        c->first, sizeof c->first,
+        c->first, CONNECTION_FIRST,
         "HTTP/1.1 200 OK\r\nContent-Type: %s\r\nContent-Length: %zu\r\n" ALWAYS "\r\n", f->type, n);
     c->body = f->begin;
     c->n_body = head ? 0 : n;
@@ -99,7 +106,7 @@ static void answer_question(struct connection *c, const struct site *s, const st
     const char *why = "there is / and /log";
     struct json j;
     memcpy(c->first, head, n);
-    json_begin(&j, c->first + n, sizeof c->first - n);
+    json_begin(&j, c->first + n, CONNECTION_FIRST - n);
     enum http_status status = s->ask(s->context, r, &j, &why);
     if (status != HTTP_OK) {
         answer_sentence(c, status, why, r->head);
@@ -130,7 +137,7 @@ static void answer_stream(struct connection *c, struct site *s, bool head)
         answer_sentence(c, HTTP_FULL, why, false);
         return;
     }
-    json_begin(&j, c->first, sizeof c->first);
+    json_begin(&j, c->first, CONNECTION_FIRST);
     json_put(&j, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n%r\r\n", ALWAYS);
     begin_answer(c);
     if (!head) {
@@ -166,7 +173,7 @@ static void answer_command(struct connection *c, struct site *s, const struct ht
         return;
     }
     c->n_first =
-        (size_t)snprintf(c->first, sizeof c->first,
+        (size_t)snprintf(c->first, CONNECTION_FIRST,
                          "HTTP/1.1 200 OK\r\nContent-Type: text/plain; charset=utf-8\r\n" ALWAYS "\r\n");
     begin_answer(c);
     c->state = CONNECTION_COMMANDS;
@@ -341,7 +348,7 @@ static void turn_command(struct connection *c, struct site *s)
     bool over = false;
     if (c->first_sent == c->n_first) {
         c->first_sent = 0;
-        c->n_first = page_send_read(&s->control, c->plant, c->command, c->first, sizeof c->first, &over);
+        c->n_first = page_send_read(&s->control, c->plant, c->command, c->first, CONNECTION_FIRST, &over);
         c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
         if (!over)
             ask_whether_there(c);

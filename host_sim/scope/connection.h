@@ -65,7 +65,7 @@ struct connection {
     char local[CONNECTION_ADDRESS]; /* the address by which it came in */
     char request[HTTP_REQUEST];
     size_t n_request, drained;
-    char first[CONNECTION_FIRST]; /* sent before anything else */
+    char *first; /* [CONNECTION_FIRST], sent before anything else; NULL in a free one */
     size_t n_first, first_sent;
     const char *body; /* a page, sent after it */
     size_t n_body, body_sent;
@@ -74,8 +74,9 @@ struct connection {
     uint32_t command; /* its number; see control.h */
 };
 
-/* A client that has just come from this address (IPv4, in network order), on a socket that does not block. */
-void connection_begin(struct connection *c, int socket, uint32_t address);
+/* A client that has just come from this address (IPv4, in network order), on a socket that does not block.
+ * False: out of memory; the socket stays the caller's. */
+bool connection_begin(struct connection *c, int socket, uint32_t address);
 
 /* True where data from it are of interest: it is there and has not ended its side. */
 bool connection_listens(const struct connection *c);

@@ -128,11 +128,10 @@ static struct connection *make_place(struct server *s)
 static void take_client(struct server *s, int socket, uint32_t address)
 {
     struct connection *c = make_place(s);
-    if (!c) { /* streams and commands leave some free */
+    if (!c || !connection_begin(c, socket, address)) { /* streams and commands leave some free */
         close(socket);
         return;
     }
-    connection_begin(c, socket, address);
     connection_receive(c, &s->site);
     connection_turn(c, &s->site);
 }

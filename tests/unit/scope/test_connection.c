@@ -35,7 +35,7 @@ static void begin_request(const char *request)
     site->streams_most = site->streams_of_one = 1;
     site->connection = connection;
     site->n_connections = 1;
-    connection_begin(connection, pair[0], 0);
+    check_true("begins", connection_begin(connection, pair[0], 0));
     check_int("the request goes", (int)write(client, request, strlen(request)), (int)strlen(request));
     connection_receive(connection, site);
 }
