@@ -237,7 +237,7 @@ stage waits "numbers from one command to the next, times, tolerances" /usr/bin/p
 stage waits "logs of the world outside, and ours in other tools" /usr/bin/python3 tests/cli/test_logs.py build/contactplant
 more speak "rows of a plant: monitor, decode, run --json" /usr/bin/python3 tests/cli/test_rows.py build/contactplant
 stage waits "no internal value in what any subcommand prints or writes" /usr/bin/python3 tests/cli/test_outputs.py build/contactplant
-stage waits "numbers of a scene from measured curves" /usr/bin/python3 tests/cli/test_fit.py build/contactplant
+stage waits "numbers of a scene from measured curves" /usr/bin/python3 tests/cli/test_fit.py build/contactplant $(all && echo --all)
 stage waits "help: pages, searches, what to do about errors" /usr/bin/python3 tests/cli/test_help.py build/contactplant
 stage waits "outputs and inputs of every command" /usr/bin/python3 tests/cli/test_files.py build/contactplant
 stage waits "recorded logs in the scope: rows, gaps, events, bad input" /usr/bin/python3 tests/scope/test_view.py build/contactplant
