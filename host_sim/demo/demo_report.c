@@ -98,8 +98,8 @@ static int tell_end(char *text, size_t size, const struct demo *d)
         text, size,
         "Then the controller fell silent: the plant reacted %.0f frames after the frame that the last "
         "heartbeat named (limit %.0f) and had its drives at zero %.2f s later. Timing: overruns %.0f, "
-        "frames missed and made up %.0f, streamed samples missed %.0f, worst wake-up %.0f us late, worst "
-        "frame %.0f us of computing, worst pause of the controller %.1f ms.",
+        "frames missed and made up %.0f, streamed samples missed %.0f, worst wake-up %.0f µs late, worst "
+        "frame %.0f µs of computing, worst pause of the controller %.1f ms.",
         (double)(r->reaction_frame - r->heartbeat_frame), l->parameter[SETTING_FIRST + SET_TIMEOUT_FRAMES],
         r->reaction_end_s - r->reaction_begin_s, health[DIAG_OVERRUNS], health[DIAG_FRAMES_MISSED],
         d->stream_missed, health[DIAG_LATENESS_MAX_US], health[DIAG_COMPUTE_MAX_US], 1e3 * d->stall_s);

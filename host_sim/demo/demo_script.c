@@ -78,7 +78,7 @@ static void show(struct demo *d)
         return;
     d->shown_s = now;
     printf(
-        "%s%-10s t %6.2f s | displacement %6.2f .. %5.2f um | drive %4.2f N | control %5.1f N | contact loss "
+        "%s%-10s t %6.2f s | displacement %6.2f .. %5.2f µm | drive %4.2f N | control %5.1f N | contact loss "
         "%4.1f %% | age %3.0f frames | overruns %.0f%s",
         d->tty ? "\r" : "", demo_phase_name[r->phase], r->column[DEMO_TIME][i],
         1e6 * r->column[DEMO_DISPLACEMENT][i], 1e6 * r->column[DEMO_DISPLACEMENT + 1][i],

@@ -96,6 +96,10 @@ if [ -z "$DESTDIR" ]; then
     [ "$action" = uninstall ] || known || echo "the loader does not look into $LIBDIR: run programs with LD_LIBRARY_PATH='$LIBDIR'"
 fi
 
+case $action$PREFIX in
+install*[[:space:]]*) echo 'PREFIX has a blank: compile with eval "cc my.c $(pkg-config --cflags --libs contactplant)"' ;;
+esac
+
 # Empty now, and nobody else's: folders from the inside out; those above PREFIX are not ours.
 if [ "$action" = uninstall ]; then
     [ ! -d "$DESTDIR$PREFIX/lib/contactplant" ] || find "$DESTDIR$PREFIX/lib/contactplant" -depth -type d -empty -delete

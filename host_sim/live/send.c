@@ -4,6 +4,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/live/explain.h"
 #include "host_sim/live/send_verbs.h"
+#include "host_sim/scene/scene_load.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,13 +84,22 @@ static int words_at(const struct options *o, int i)
     return n;
 }
 
+/* A scene, or a name with a dot, as files have. */
+static bool is_scene(const char *word)
+{
+    static struct scene s;
+    char why[SCENE_REASON];
+    return strchr(word, '.') || scene_load(word, &s, why) != SCENE_OF_NOTHING;
+}
+
 static int unknown_command(const struct options *o, const char *word)
 {
     const char *name[ACTION_VERBS];
     char advice[OPTIONS_ADVICE];
     int n = action_names(send_verbs, name);
+    const char *hint = is_scene(word) ? "a scene is given by --model" : NULL;
     return options_misuse(o->usage, "unknown command \"%s\"%s", word,
-                          options_advise(word, strlen(word), name, n, NULL, advice, sizeof advice));
+                          options_advise(word, strlen(word), name, n, hint, advice, sizeof advice));
 }
 
 /* The command of n words, which may be part of a number with its unit each. */

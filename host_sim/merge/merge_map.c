@@ -14,7 +14,8 @@ struct map {
     long all;
 };
 
-static const char *const changed = "a row was changed or lost here, or before; compute this share again";
+static const char *const changed =
+    "a row was changed or lost here, or before; remove the file and compute this share again";
 
 /* 0, or the exit status after a line. */
 static int take_row(struct map *a)

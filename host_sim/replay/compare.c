@@ -204,7 +204,7 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
     int n = decode_signals(m);
     size_t length = equal ? (size_t)(equal - word) : 0;
     if (!equal)
-        return options_misuse(o->usage, "%s: write SIGNAL=TOLERANCE", word);
+        return options_misuse(o->usage, "%s: write SIGNAL=TOLERANCE; a scene is given by --model", word);
     for (int i = 0; i < n; i++) {
         decode_name(m, i, name[i]);
         names[i] = name[i];

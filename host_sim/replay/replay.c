@@ -104,9 +104,10 @@ static int report(const struct again *g, int got)
         return options_failure(g->o->usage,
                                "nothing in the log is of this plant; see --base-id and --extended");
     if (g->difference)
-        return options_failure(g->o->usage, "%s; plant tick %llu, %llu messages were equal before",
+        return options_failure(g->o->usage, "%s; plant tick %llu, %llu messages were equal before%s",
                                g->difference, (unsigned long long)g->scene.app.plant.now.tick,
-                               (unsigned long long)r->compared);
+                               (unsigned long long)r->compared,
+                               g->o->n_words > 1 ? "" : "; if the recorded run had a SCENE, give it");
     printf("equal: %llu frames, %llu commands, %llu messages compared, %llu reports on the machine excluded, "
            "%llu "
            "lines of "

@@ -176,7 +176,7 @@ static void put_switches(struct simulation *r)
         return;
     html_table(&p->html, title,
                r->paper ? "time,kind,contact,speed of the gap (SI)"
-                        : "time,kind,contact,speed of the gap (m/s)");
+                        : "time (s),kind,contact,speed of the gap (m/s)");
     for (unsigned i = 0; i < told; i++) {
         html_row(&p->html, false);
         html_cell(&p->html, "%.12g", p->told[i].t);

@@ -247,6 +247,9 @@ refuses 2 "go" run --bus can:can0 --peer 127.0.0.1:1
 refuses 2 "at most 4 peers" run --peer 127.0.0.1:1 --peer 127.0.0.1:2 --peer 127.0.0.1:3 --peer 127.0.0.1:4 --peer 127.0.0.1:5
 refuses 2 "something is missing" send
 refuses 2 "did you mean start" send strat
+refuses 2 "a scene is given by --model" send rig start
+refuses 2 "a scene is given by --model" send nosuch.ini start
+refuses 2 "a scene is given by --model" compare a.log b.log rig
 refuses 2 "write arm INPUT amplitude=5 N" send arm
 refuses 2 "start: write start alone" send start now
 refuses 2 "no input" send arm forse amplitude=1
@@ -630,9 +633,21 @@ refuses 2 "not of this run" sweep rig --sweep "force.frequency=150 Hz:151 Hz:2" 
 runs 0 "a chaotic sweep: status" sweep shaft-fig9 --sweep freq_hz=24:26:3
 has "what did not settle is said" "$dir/err" "not settled: 6 points; no jump looked for between freq_hz = 24 and 26"
 is "and stands in the rows" "$(grep -c ",unsettled," "$dir/out")" 6
-"$program" sweep rig --set damping=0 --sweep force.frequency=200:230:2 --settle 3 --out "$dir/unsettled.csv" >"$dir/out" 2>/dev/null
+"$program" sweep rig --set damping=0 --sweep force.frequency=200:230:2 --settle 3 --out "$dir/unsettled.csv" --svg "$dir/unsettled.svg" >"$dir/out" 2>/dev/null
 has "the summary knows no jump where nothing settled" "$dir/out" "no jump was found where points settled"
 has "  and says that its largest amplitude did not settle" "$dir/out" "largest .* at 230 Hz, which did not settle"
+has "  and what to do about points that did not" "$dir/out" "4 points did not settle: give more --settle, .* basin and random"
+has "the picture tells how many" "$dir/unsettled.svg" "2 points up and down, to settle over 3 periods; 4 did not settle; dashed: jumps<"
+is "  and has an entry for their dots" "$(grep -c ">did not settle<" "$dir/unsettled.svg")" 1
+is "  which no line joins" "$(grep -c 'class="line".* d="[^"]*L' "$dir/unsettled.svg")" 0
+for n in 2 7; do
+    "$program" sweep rig --sweep force.frequency=215:219:2 --family force.amplitude=1.00003:4.5454545:$n --settle 20 --out "$dir/family.$n.csv" \
+        --svg "$dir/family.$n.svg" >"$dir/out" 2>/dev/null
+    has "a jump of a family of $n has name and unit" "$dir/out" "  amplitude of force 4.54545 N, up at 217.*Hz: amplitude"
+    has "  its legend, too" "$dir/family.$n.svg" ">amplitude of force 1 N<"
+done
+has "two curves have a colour each" "$dir/family.2.svg" "; a colour for each amplitude of force<"
+has "seven have not" "$dir/family.7.svg" "; 6 colours in turn for the values of amplitude of force<"
 refuses 2 "write for instance" sweep rig --harmonics 1x
 refuses 2 "times the reference" sweep rig --harmonics 17
 refuses 2 "multiple of 4" sweep rig --harmonics 1/2 --measure 6
@@ -1368,7 +1383,7 @@ has "Ctrl-C: the report comes" "$dir/open.out" "hash"
 is "Ctrl-C: the log ends with a whole line" "$(tail -c 1 "$dir/open.log" | od -An -c | tr -d ' ')" '\n'
 has "self-test on the bus: the drive's check passed" "$dir/open.log" " 222#..000001"
 replays open "$dir/open.log" $kept
-refuses 1 "recorded.*replay sent.*plant tick" replay "$dir/open.log" $kept --set damping_N_s_per_m=189
+refuses 1 "recorded.*replay sent.*plant tick.*had a SCENE, give it" replay "$dir/open.log" $kept --set damping_N_s_per_m=189
 
 echo "--- run with the method left to choose"
 plant auto $port --method auto --tol 1e-3 --substeps 32 $patient

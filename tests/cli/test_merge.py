@@ -143,7 +143,7 @@ def strangers():
     refused("a part twice", "l1.csv", "l2.csv", "l1.csv", told="l1.csv and l1.csv are both share 1/5")
     refused("a whole run", "one.csv", told="one.csv: rows that do not tell their share")
     refused("of an earlier version", "l1.csv", "before.csv", told="before.csv: rows that do not tell their share")
-    refused("a changed row", "changed.csv", "l1.csv", told=r"changed.csv:\d+: a row was changed or lost")
+    refused("a changed row", "changed.csv", "l1.csv", told=r"changed.csv:\d+: a row was changed or lost here, or before; remove the file and compute this share again")
     refused("a lost row", "fewer.csv", told=r"fewer.csv:\d+: a row was changed or lost")
     write("none.csv", rows[0] + "# complete: 0 rows\n")
     run("sweep", *MAPS["sweep"], "--shard", "2/2", "--out", "curves.csv")

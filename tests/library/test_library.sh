@@ -50,6 +50,8 @@ verdict $? "make install DESTDIR=.." "$(tail -n 3 "$here/log")"
 equal "nothing stands outside DESTDIR's PREFIX" "$(find "$here/stage" -type f ! -path "$here/stage/opt/rig/*" | wc -l)" 0
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
 make -s BUILD="$build" PREFIX="/opt/my plant & co" DESTDIR="$here/blank" install >"$here/log" 2>&1
+grep -q '^PREFIX has a blank: compile with eval "cc my.c ' "$here/log"
+verdict $? "make install tells how to compile then" "$(tail -n 3 "$here/log")"
 blank=$here/blank/opt/my\ plant\ \&\ co
 equal "a prefix with blanks, as a shell reads it" "$(eval "printf '<%s>' $(PKG_CONFIG_PATH=$blank/lib/pkgconfig pkg-config --cflags --libs-only-L contactplant)")" \
     "<-I/opt/my plant & co/include><-ffp-contract=off><-L/opt/my plant & co/lib>"

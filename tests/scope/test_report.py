@@ -121,6 +121,7 @@ def simulate(browser, folder):
     check("simulate: contacts are counted as in the CSV",
           f"made {kinds.count('touchdown')} times and lost {kinds.count('liftoff')} times" in words, words[:120])
     listed = next(s for s in data["sections"] if s["kind"] == "table" and s["title"].startswith("Contact switches"))
+    check("simulate: their time has a unit", listed["columns"].startswith("time (s),"), listed["columns"])
     check("simulate: the first switches are those of the CSV", [c["cells"][1] for c in listed["rows"]] == kinds[:20] and
           all(abs(float(c["cells"][0]) - float(s["t"])) <= 1e-11 for c, s in zip(listed["rows"], switches)))
     share, open_s, since = charts(data)["contact"]["layers"][0]["share"], 0.0, None

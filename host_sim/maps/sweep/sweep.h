@@ -35,7 +35,7 @@
 /* Harmonics that differ by more than this share of the larger one may be a jump. */
 #define SWEEP_JUMP 0.05
 
-enum { SWEEP_CONFIRM = 4, SWEEP_LABEL = 160 /* bytes of a text in picture and report */ };
+enum { SWEEP_CONFIRM = 4, SWEEP_LABEL = 192 /* bytes of a text in picture and report */ };
 
 struct sweep_harmonic {
     uint32_t n, m; /* n/m times the frequency of the reference */

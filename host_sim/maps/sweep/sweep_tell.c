@@ -16,9 +16,12 @@ bool sweep_is_jump(const struct sweep_result *row, int i)
 const char *sweep_chain_name(const struct sweep *s, int chain, char text[SWEEP_LABEL])
 {
     const struct scene_range *f = &s->family;
+    const char *way = chain % 2 ? "down" : "up";
+    char value[UNIT_TEXT];
     if (!f->values.n)
-        return chain % 2 ? "down" : "up";
-    snprintf(text, SWEEP_LABEL, "%.9g %s", range_value(&f->values, chain / 2), chain % 2 ? "down" : "up");
+        return way;
+    maps_in_words(range_value(&f->values, chain / 2), f->unit, value);
+    snprintf(text, SWEEP_LABEL, "%s %s, %s", f->words, value, way);
     return text;
 }
 
@@ -36,6 +39,14 @@ void sweep_say_settled(const struct sweep *s, char text[SWEEP_LABEL])
         snprintf(text, SWEEP_LABEL, "until the damping leaves 1e-4");
     else
         snprintf(text, SWEEP_LABEL, "over %d periods", s->settle);
+}
+
+int sweep_unsettled(const struct rows_table *t, const struct sweep_result *row)
+{
+    int n = 0;
+    for (int i = 0; i < t->n; i++)
+        n += row[i].kind == SWEEP_UNSETTLED;
+    return n;
 }
 
 static void tell_jump(const struct sweep *s, const struct rows_table *t, const struct sweep_result *row,
@@ -68,12 +79,11 @@ void sweep_tell(void *context, const struct rows_table *t, FILE *f)
     const struct sweep_result *row = rows_row(t, 0);
     const struct signal *y = &s->m.scene.model->output_signal[s->m.scene.observable];
     const char *unit = scenes_dimensionless(&s->m.scene) ? "" : y->unit;
-    int jumps = 0, unsettled = 0, escaped = 0, largest = find_largest(t, row);
+    int jumps = 0, unsettled = sweep_unsettled(t, row), escaped = 0, largest = find_largest(t, row);
     char a[UNIT_TEXT], b[UNIT_TEXT], name[SWEEP_LABEL];
     sweep_name_harmonic(s, 0, name);
     for (int i = 0; i < t->n; i++) {
         jumps += sweep_is_jump(row, i);
-        unsettled += row[i].kind == SWEEP_UNSETTLED;
         escaped += row[i].kind == SWEEP_ESCAPED;
     }
     fprintf(f, "%s, %s from %s to %s in %d points, up and down\n", s->m.name, s->range.words,
@@ -96,7 +106,11 @@ void sweep_tell(void *context, const struct rows_table *t, FILE *f)
     if (jumps > JUMPS_TOLD)
         fprintf(f, "  and %d more, in the rows jump_from and jump_to\n", jumps - JUMPS_TOLD);
     if (unsettled)
-        fprintf(f, "%d %s did not settle\n", unsettled, unsettled == 1 ? "point" : "points");
+        fprintf(
+            f,
+            "%d %s did not settle: give more --settle, or the motion is chaotic or beats; see contactplant "
+            "basin and random\n",
+            unsettled, unsettled == 1 ? "point" : "points");
     if (escaped)
         fprintf(f, "the motion escaped at %d points\n", escaped);
 }

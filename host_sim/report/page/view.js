@@ -463,7 +463,7 @@ function overviewLanes(chart, r) {
     const part = (list) => pick(map, list).map((v) => (v - low) / (high - low));
     chart.band(part(r.bands[key][0]), part(r.bands[key][1]), "blue");
   }
-  for (const [kind, ink] of [["missing", "grey"], ["overrun", "orange"], ["refusal", "red"], ["fault", "red"]])
+  for (const [kind, ink] of [["missing", "grey"], ["overrun", "red"], ["refusal", "red"], ["fault", "red"]])
     for (const [k] of r.counts[kind])
       chart.span(r.from + k / r.columns * (r.to - r.from), r.from + (k + 2) / r.columns * (r.to - r.from), ink, 0.8);
 }
