@@ -60,7 +60,7 @@ static const struct signal outputs[AFM_PLANT_OUTPUTS] = {
     {"error", "m", "of the z loop: how much the tip is too far away", QUANTITY_LENGTH, NULL},
     {"frequency_shift", "Hz", "of the tone, from f0 of the lever", QUANTITY_FREQUENCY, NULL},
     {"crashes", "1", "so far", QUANTITY_RATIO, NULL},
-    {"adhesion", "N", "of the last cycle of peak_force; else 0", QUANTITY_FORCE, NULL},
+    {"adhesion", "N", "of the last cycle of peak_force, 0: not found", QUANTITY_FORCE, NULL},
     {"modulus", "Pa", "of the last cycle of peak_force, 0: not found", QUANTITY_RATIO, NULL},
 };
 

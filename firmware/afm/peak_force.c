@@ -23,7 +23,6 @@ void peak_force_init(struct peak_force *p, const struct peak_force_config *c, do
     p->from_m = p->to_m = low_m;
     p->amplitude_m = c->amplitude_m;
     p->stiffness = c->stiffness;
-    p->least = c->least_N;
     p->hertz = 4.0 / 3.0 * sqrt(c->radius_m);
     double turn = 2.0 * ELEMENTARY_PI * c->f0_Hz * c->sample_s;
     p->drag = c->stiffness / (12.0 * c->quality * turn);
@@ -177,7 +176,7 @@ static void fit(struct peak_force *p, struct force_cycle *c)
     enum { ROUNDS = 8 };
     struct line l = {0.0, 0.0};
     double adhesion = c->adhesion_N;
-    bool good = c->peak_N >= p->least && p->n_pulled > 0;
+    bool good = p->n_pulled > 0;
     for (int i = 0; i < ROUNDS && good; i++) {
         good = fit_line(p, adhesion, &l);
         adhesion = good ? pull_of(p, &l) : adhesion;
@@ -194,13 +193,16 @@ static void end_near(struct peak_force *p)
 {
     struct force_cycle *c = &p->cycle;
     *c = (struct force_cycle){.n = c->n + 1,
+                              .touched = p->peak >= p->least_N,
                               .peak_N = p->peak,
-                              .snap_in_N = -p->snap_in,
-                              .adhesion_N = p->deepest_force < 0.0 ? -p->deepest_force : 0.0,
                               .baseline_N = p->baseline,
-                              .work_J = p->work,
-                              .deformation_m = p->contact - p->deepest,
                               .low_m = p->low};
+    if (!c->touched)
+        return;
+    c->snap_in_N = -p->snap_in;
+    c->adhesion_N = p->deepest_force < 0.0 ? -p->deepest_force : 0.0;
+    c->work_J = p->work;
+    c->deformation_m = p->contact - p->deepest;
     fit(p, c);
 }
 

@@ -15,14 +15,15 @@
  *   peak        the largest F; snap-in: the deepest F before it, adhesion: the one after it
  *   work        -integral of F ds: what the sample takes in the cycle
  *   deformation way of the tip from F = 0 on the way in to the deepest point
- *   modulus     (F + adhesion)^(2/3) = (4/3 E sqrt(R))^(2/3) (s0 - s) by least squares, after the peak, for
- *               places at which the law has 30 to 90 % of the peak (Derjaguin, Muller & Toporov 1975); a
- * choice by the noisy forces themselves would lean the line
+ *   modulus     (F + adhesion)^(2/3) = (4/3 E sqrt(R))^(2/3) (s0 - s) by least squares, after the peak, where
+ *               the law has 30 to 90 % of it (Derjaguin, Muller & Toporov 1975); a choice by the noisy forces
+ *               themselves would lean the line
  *
  * The pull-off itself is faster than the samples. So the adhesion comes from the points before it, from F = 0
  * to 60 % of the deepest force: along the fitted law they are led to no indentation. Fit and adhesion are
- * found in turns. Sources: Su & Lombrozo 2003 (off-resonance tapping with a deflection's peak held), DMT
- * 1975. */
+ * found in turns. A cycle without contact has a peak, a baseline and a place, and nothing else.
+ *
+ * Source of the mode: Su & Lombrozo 2003 (off-resonance tapping with a deflection's peak held). */
 #ifndef FIRMWARE_AFM_PEAK_FORCE_H
 #define FIRMWARE_AFM_PEAK_FORCE_H
 
@@ -39,8 +40,9 @@ enum {
 
 /* The results of one cycle. */
 struct force_cycle {
-    uint32_t n;  /* cycles so far; 0: none, the rest is 0 */
-    bool fitted; /* there is a modulus */
+    uint32_t n;   /* cycles so far; 0: none, the rest is 0 */
+    bool touched; /* else snap-in, adhesion, work and deformation are not known, and 0 */
+    bool fitted;  /* else the modulus is not known, and 0 */
     double peak_N, snap_in_N, adhesion_N, baseline_N, work_J, deformation_m, modulus_Pa;
     double low_m; /* lowest true z */
 };
@@ -48,7 +50,6 @@ struct force_cycle {
 struct peak_force_config {
     double stiffness, f0_Hz, quality, radius_m; /* the lever: N/m, Hz, 1, m */
     double sample_s, frequency_Hz, amplitude_m; /* a cycle */
-    double least_N;                             /* a smaller peak is no contact: no fit */
 };
 
 struct force_point {
@@ -59,9 +60,10 @@ struct peak_force {
     struct force_cycle cycle; /* the last one */
     uint32_t samples, i;      /* in a cycle; the present one, 0 at the top */
     double from_m, to_m;      /* the lowest point: where it was at the top, where it goes */
+    double least_N;           /* a smaller peak is no contact; the caller sets it */
     /* the rest is its own */
     double amplitude_m, stiffness, hertz;
-    double least, drag, mass; /* factors of the differences */
+    double drag, mass; /* factors of the differences */
     uint32_t n_read;
     struct force_reading {
         double deflection, moved, place; /* moved: with the share of the base that has inertia */

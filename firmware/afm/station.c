@@ -220,6 +220,12 @@ static void set_force(struct station *s, double free_amplitude)
     s->microscope.tone[1].force_N = s->number[STATION_DART] > 0.0 ? free_amplitude * s->free_force : 0.0;
 }
 
+/* A quarter of the set point is a contact. */
+static void set_least(struct station *s)
+{
+    s->swing.least_N = 0.25 * s->number[STATION_PEAK_FORCE];
+}
+
 /* z begins to swing, from where it is. */
 static void begin_swing(struct station *s)
 {
@@ -230,9 +236,9 @@ static void begin_swing(struct station *s)
                                         .radius_m = s->radius_m,
                                         .sample_s = s->sample_s,
                                         .frequency_Hz = s->frequency_Hz,
-                                        .amplitude_m = n[STATION_DRIVE],
-                                        .least_N = 0.25 * n[STATION_PEAK_FORCE]};
+                                        .amplitude_m = n[STATION_DRIVE]};
     peak_force_init(&s->swing, &c, s->in.z_m);
+    set_least(s);
 }
 
 bool station_second(const struct station_config *c, double *second)
@@ -343,6 +349,7 @@ const char *station_change(struct station *s, const struct station_config *c, in
         tune(s);
     if (swings && another)
         begin_swing(s);
+    set_least(s);
     set_force(s, n[STATION_AGC] > 0.0 ? s->agc.sum : n[STATION_DRIVE]);
     return NULL;
 }
@@ -448,6 +455,8 @@ static void add_cycle(struct pixel_sum *m, const struct force_cycle *c)
 {
     struct force_cycle *f = &m->force;
     f->n++;
+    m->n_touched += c->touched;
+    m->n_fitted += c->fitted;
     f->peak_N += c->peak_N;
     f->snap_in_N += c->snap_in_N;
     f->adhesion_N += c->adhesion_N;
@@ -455,26 +464,26 @@ static void add_cycle(struct pixel_sum *m, const struct force_cycle *c)
     f->work_J += c->work_J;
     f->deformation_m += c->deformation_m;
     f->low_m += c->low_m;
-    m->n_fitted += c->fitted;
-    f->modulus_Pa += c->fitted ? c->modulus_Pa : 0.0;
+    f->modulus_Pa += c->modulus_Pa;
 }
 
-/* Means of the cycles of a pixel, one at least. Its height is that of their lowest points. */
+/* Means of the cycles of a pixel, one at least, of those that know each. Its height is that of their lowest
+ * points. */
 static void finish_cycles(struct pixel *p, const struct pixel_sum *m)
 {
-    double part = 1.0 / m->force.n;
-    ASSERT(m->force.n > 0);
-    p->n_fitted = m->n_fitted;
-    p->force = (struct force_cycle){.n = m->force.n,
+    const struct force_cycle *f = &m->force;
+    double part = 1.0 / f->n, touched = m->n_touched ? 1.0 / m->n_touched : 0.0;
+    p->force = (struct force_cycle){.n = f->n,
+                                    .touched = m->n_touched > 0,
                                     .fitted = m->n_fitted > 0,
-                                    .peak_N = m->force.peak_N * part,
-                                    .snap_in_N = m->force.snap_in_N * part,
-                                    .adhesion_N = m->force.adhesion_N * part,
-                                    .baseline_N = m->force.baseline_N * part,
-                                    .work_J = m->force.work_J * part,
-                                    .deformation_m = m->force.deformation_m * part,
-                                    .low_m = m->force.low_m * part,
-                                    .modulus_Pa = m->n_fitted ? m->force.modulus_Pa / m->n_fitted : 0.0};
+                                    .peak_N = f->peak_N * part,
+                                    .snap_in_N = f->snap_in_N * touched,
+                                    .adhesion_N = f->adhesion_N * touched,
+                                    .baseline_N = f->baseline_N * part,
+                                    .work_J = f->work_J * touched,
+                                    .deformation_m = f->deformation_m * touched,
+                                    .modulus_Pa = m->n_fitted ? f->modulus_Pa / m->n_fitted : 0.0,
+                                    .low_m = f->low_m * part};
     p->height_m = p->force.low_m;
 }
 

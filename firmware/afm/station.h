@@ -7,9 +7,9 @@
  *   agc      holds the amplitude; sets the force of the tone
  *   pll      holds the phase; sets the frequency of the tone
  *   dart     holds the amplitudes of two tones, dart_distance apart, equal; sets the frequency between them
- *   peak force   in the place of tone and z loop: z swings, its lowest point holds the peak force of each
- * cycle raster   sets x and y, from station_begin_scan to the end of the image ramp     sets z, from
- * station_begin_ramp until it is back
+ *   peak     in the place of tone and z loop: z swings, and its lowest point holds the peak force of a cycle
+ *   raster   sets x and y, from station_begin_scan to the end of the image
+ *   ramp     sets z, from station_begin_ramp until it is back
  *
  * A tone of amplitude drive_m is the force that moves the free lever so far at its resonance, without heat.
  * With drive_m = 0 the station has no tone, and the force is the caller's alone. The numbers are a table with
@@ -134,9 +134,7 @@ struct pixel {
     uint32_t line, column;
     bool back;
     double height_m, error_m, amplitude_m, phase_rad, peak_N, frequency_Hz, surface_m;
-    struct force_cycle
-        force;         /* means over its n cycles of peak force; height_m is that of their lowest points */
-    uint32_t n_fitted; /* cycles with a modulus, whose mean it is */
+    struct force_cycle force; /* means over its n cycles, whose lowest points are the height then */
 };
 
 struct station {
@@ -161,7 +159,7 @@ struct station {
     struct pixel_sum {
         uint32_t n;
         double height, error, amplitude, in_phase, quadrature, peak, frequency, surface;
-        uint32_t n_fitted;
+        uint32_t n_touched, n_fitted;
         struct force_cycle force;
     } sum;
 };

@@ -94,10 +94,9 @@ void scan_free(struct scan_image *m)
         free(m->value[i / SCAN_CHANNELS][i % SCAN_CHANNELS]);
 }
 
-/* A result of the cycles of a pixel; without a cycle it is not known. */
-static double of_cycles(const struct pixel *p, double value)
+static double known(bool is, double value)
 {
-    return p->force.n > 0 ? value : (double)NAN;
+    return is ? value : (double)NAN;
 }
 
 static void keep_pixel(struct scan_image *m, const struct pixel *p, double setpoint_N)
@@ -109,11 +108,11 @@ static void keep_pixel(struct scan_image *m, const struct pixel *p, double setpo
         [SCAN_PHASE] = p->phase_rad,
         [SCAN_PEAK] = p->peak_N,
         [SCAN_FREQUENCY] = p->frequency_Hz,
-        [SCAN_FORCE_ERROR] = of_cycles(p, p->force.peak_N - setpoint_N),
-        [SCAN_ADHESION] = of_cycles(p, p->force.adhesion_N),
-        [SCAN_MODULUS] = p->force.fitted ? p->force.modulus_Pa : (double)NAN,
-        [SCAN_DEFORMATION] = of_cycles(p, p->force.deformation_m),
-        [SCAN_DISSIPATION] = of_cycles(p, p->force.work_J),
+        [SCAN_FORCE_ERROR] = known(p->force.n > 0, p->force.peak_N - setpoint_N),
+        [SCAN_ADHESION] = known(p->force.touched, p->force.adhesion_N),
+        [SCAN_MODULUS] = known(p->force.fitted, p->force.modulus_Pa),
+        [SCAN_DEFORMATION] = known(p->force.touched, p->force.deformation_m),
+        [SCAN_DISSIPATION] = known(p->force.touched, p->force.work_J),
         [SCAN_SURFACE] = p->surface_m,
     };
     for (int i = 0; i < SCAN_CHANNELS; i++)

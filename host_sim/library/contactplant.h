@@ -319,7 +319,7 @@ enum contactplant_afm_truth {
     CONTACTPLANT_AFM_CRASH_FORCE,     /* N, peak of the last one */
     CONTACTPLANT_AFM_CLIPPED,         /* codes that were held, so far */
     CONTACTPLANT_AFM_CYCLE_FORCE,     /* N, peak of the last cycle of peak_force_N; 0 without */
-    CONTACTPLANT_AFM_ADHESION,        /* N, of that cycle */
+    CONTACTPLANT_AFM_ADHESION,        /* N, of that cycle; 0: not found */
     CONTACTPLANT_AFM_MODULUS,         /* Pa, of that cycle; 0: not found */
     CONTACTPLANT_AFM_DEFORMATION,     /* m */
     CONTACTPLANT_AFM_DISSIPATION      /* J */

@@ -273,6 +273,9 @@ TEST(afm_peak_force_user_z)
     check_near("lowest point, nm", station.swing.cycle.low_m * 1e9, -95.0, 0.1);
     check_near("no contact, nN", station.swing.cycle.peak_N * 1e9, 0.0, 0.01);
     check_true("and no modulus", !station.swing.cycle.fitted);
+    check_true("no contact, and what belongs to one is 0",
+               !station.swing.cycle.touched && station.swing.cycle.deformation_m == 0.0 &&
+                   station.swing.cycle.adhesion_N == 0.0 && station.swing.cycle.work_J == 0.0);
 }
 
 /* ---- changes and refusals ---- */
@@ -289,6 +292,11 @@ TEST(afm_peak_force_changes)
     check_near("z goes on, nm", station.in.z_m * 1e9, z * 1e9, 0.0);
     run_cycles(60);
     check_near("its peak, nN", station.swing.cycle.peak_N * 1e9, 8.0, 0.08);
+    number[STATION_PEAK_FORCE] = 1e-9;
+    check_no_error("less than a quarter of the first", station_change(&station, &config, &which));
+    run_cycles(60);
+    check_near("its peak, nN", station.swing.cycle.peak_N * 1e9, 1.0, 0.05);
+    check_true("counts as a contact", station.swing.cycle.touched);
     number[STATION_PEAK_FORCE] = 0.0;
     check_no_error("off", station_change(&station, &config, &which));
     check_true("runs", station_run(&station, &(struct microscope_in){.z_m = 0.0}));
