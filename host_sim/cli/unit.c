@@ -70,15 +70,15 @@ struct scale {
 /* The table's unit, or a decimal multiple of it. A kilogram's prefix is on the gram. */
 static bool is_multiple(const char *t, size_t n, const char *unit, struct scale *scale)
 {
-    bool gram = !strncmp(unit, "kg", 2);
+    bool gram = !strncmp(unit, "kg", 2), micro = n > 2 && (!memcmp(t, "µ", 2) || !memcmp(t, "μ", 2));
     const char *base = gram ? unit + 1 : unit, *p;
     *scale = (struct scale){gram ? -3 : 0, 1.0};
     if (bare(unit) || !n)
         return bare(unit) && !n;
     if (same(t, n, base))
         return true;
-    p = *t == ' ' ? NULL : strchr(prefix, *t);
-    if (!p || !same(t + 1, n - 1, base))
+    p = micro ? strchr(prefix, 'u') : *t == ' ' ? NULL : strchr(prefix, *t);
+    if (!p || !same(t + 1 + micro, n - 1 - micro, base))
         return false;
     scale->shift += 3 * ((int)(p - prefix) - 5);
     return true;
@@ -247,11 +247,10 @@ static void move_point(const char *from, int places, char to[SHORT_TEXT])
              n - places - 1, digits + places + 1);
 }
 
-void unit_write(double value, const char *unit, char text[UNIT_TEXT])
+static void write_number(double value, const char *unit, bool prefixed, char text[UNIT_TEXT])
 {
     char full[SHORT_TEXT], moved[SHORT_TEXT];
     int exponent = shortest(value, full), digits = (int)strcspn(full, "e");
-    bool prefixed = !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz");
     int step = (exponent + 30) / 3 - 10; /* thousands, rounded down */
     bool zero = !(value < 0.0) && !(value > 0.0);
     if (prefixed && !zero && step >= -5 && step <= 3 && step != 0) {
@@ -264,4 +263,30 @@ void unit_write(double value, const char *unit, char text[UNIT_TEXT])
         digits = exponent + 1;
     snprintf(moved, sizeof moved, "%.*g", digits, value);
     snprintf(text, UNIT_TEXT, "%s%s%s", moved, bare(unit) ? "" : " ", bare(unit) ? "" : unit);
+}
+
+void unit_write(double value, const char *unit, char text[UNIT_TEXT])
+{
+    bool prefixed = !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz");
+    write_number(value, unit, prefixed, text);
+}
+
+double unit_asked(const char *text, size_t n, const char *unit, char *asked)
+{
+    char one[UNIT_TEXT + 1], why[UNIT_REASON];
+    double value = 1.0;
+    size_t mantissa, length;
+    int exponent;
+    length = scan(text, n, &mantissa, &exponent);
+    while (length < n && isspace((unsigned char)text[length]))
+        length++;
+    snprintf(one, sizeof one, "1%.*s", (int)(n - length), text + length);
+    (void)unit_read(one, strlen(one), unit, &value, why);
+    snprintf(asked, UNIT_TEXT, "%s", one + 1);
+    return value;
+}
+
+void unit_write_asked(double value, const char *asked, char text[UNIT_TEXT])
+{
+    write_number(value, asked, false, text);
 }

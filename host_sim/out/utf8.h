@@ -7,9 +7,11 @@
 
 #define UTF8_REPLACEMENT "\xEF\xBF\xBD" /* U+FFFD */
 
+enum { UTF8_MAX = 4 }; /* bytes of a character */
+
 struct utf8_character {
     const char *bytes; /* n of them; not ended by a NUL */
-    size_t n;          /* 1 to 4 */
+    size_t n;          /* 1 to UTF8_MAX */
     uint32_t code;
 };
 

@@ -1,6 +1,6 @@
 /* scene_file.h - a scene from a small text file. docs/guide/scenes.md is the manual of the format.
  *
- * Reading is pure: a buffer in, a scene or one line out. It takes plain ASCII up to SCENE_FILE_BYTES in
+ * Reading is pure: a buffer in, a scene or one line out. It takes UTF-8 up to SCENE_FILE_BYTES in
  * lines up to SCENE_FILE_LINE, nothing twice, and every value with its unit and inside its range. A
  * mistake is one line: file, line, key, what is wrong, what is allowed, and the nearest valid name. */
 #ifndef HOST_SIM_SCENE_FILE_H

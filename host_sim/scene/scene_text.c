@@ -6,12 +6,16 @@
 #include <stdio.h>
 #include <string.h>
 #include "host_sim/cli/quotes.h"
+#include "host_sim/out/utf8.h"
 
 enum { FILE_SHOWN = 120 /* a file's name in a message is cut to it */ };
 
 int scene_text_shown(struct word w)
 {
-    return w.n < SCENE_TEXT_SHOWN ? (int)w.n : SCENE_TEXT_SHOWN;
+    size_t n = w.n < SCENE_TEXT_SHOWN ? w.n : SCENE_TEXT_SHOWN;
+    while (n && n < w.n && (w.at[n] & 0xC0) == 0x80) /* no character of UTF-8 is cut */
+        n--;
+    return (int)n;
 }
 
 bool scene_text_is(struct word w, const char *name)
@@ -43,6 +47,23 @@ struct word scene_text_take(struct word *rest)
     return (struct word){w.at, n};
 }
 
+struct word scene_text_take_name(struct word *rest)
+{
+    struct word w = scene_text_trimmed(*rest);
+    const char *end = w.n && (*w.at == '"' || *w.at == '\'') ? memchr(w.at + 1, *w.at, w.n - 1) : NULL;
+    if (!end)
+        return scene_text_take(rest);
+    size_t n = (size_t)(end - w.at) + 1;
+    *rest = scene_text_trimmed((struct word){w.at + n, w.n - n});
+    return (struct word){w.at + 1, n - 2};
+}
+
+struct word scene_text_name(struct word w)
+{
+    struct word rest = w, name = scene_text_take_name(&rest);
+    return rest.n ? w : name;
+}
+
 bool scene_text_wrong(const char *file, int line, char *why, const char *format, ...)
 {
     va_list list;
@@ -54,55 +75,67 @@ bool scene_text_wrong(const char *file, int line, char *why, const char *format,
     return false;
 }
 
-/* 0, or the first byte of the line that is no plain text. */
-static int odd_byte(const char *at, size_t n)
+/* 0, or the first byte of the line that is a control, or no UTF-8. */
+static int odd_byte(const char *text, size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
-        unsigned char c = (unsigned char)at[i];
-        if ((c < ' ' && c != '\t' && !(c == '\r' && i + 1 == n)) || c > '~')
-            return c ? c : 256;
+    char line[SCENE_FILE_LINE + UTF8_MAX] = "";
+    const char *at = line, *end = line + (n < SCENE_FILE_LINE ? n : SCENE_FILE_LINE);
+    memcpy(line, text, n < sizeof line ? n : sizeof line - 1);
+    while (at < end) {
+        const char *begin = at;
+        unsigned char first = (unsigned char)*at;
+        bool blank = first == '\t' || (first == '\r' && at + 1 == line + n);
+        struct utf8_character c = first ? utf8_next(&at) : (struct utf8_character){.code = 0};
+        if (!blank && (c.code < ' ' || (c.code > '~' && c.code < 0xA0) || c.bytes != begin))
+            return first ? first : 256;
     }
     return 0;
 }
 
-/* Whether the line is the value of the key whose quotes protect. */
-static bool is_shell_line(const struct scene_text *t, struct word line)
+/* The key of a line in which quotes protect: that of a command, or of a name that begins with a quote. */
+static struct word find_protected(const struct scene_text *t, struct word line)
 {
-    const char *equal = t->shell_key ? memchr(line.at, '=', line.n) : NULL;
-    return equal &&
-           scene_text_is(scene_text_trimmed((struct word){line.at, (size_t)(equal - line.at)}), t->shell_key);
+    const char *equal = t->shell_key ? memchr(line.at, '=', line.n) : NULL, *end = line.at + line.n;
+    struct word key = scene_text_trimmed((struct word){line.at, equal ? (size_t)(equal - line.at) : 0});
+    const char *from = equal ? equal + 1 : end;
+    struct word value = scene_text_trimmed((struct word){from, (size_t)(end - from)});
+    bool quoted = value.n && (*value.at == '"' || *value.at == '\'');
+    return equal && (quoted || scene_text_is(key, t->shell_key)) ? key : (struct word){NULL, 0};
 }
 
 /* Takes the comment off a line. False: a quote of a command does not end, and t->why says so. */
 static bool cut_comment(const struct scene_text *t, struct word *line)
 {
     struct quotes place = {0, false};
-    bool shell = is_shell_line(t, *line);
+    struct word key = find_protected(t, *line);
     size_t used = 0;
     for (; used < line->n; used++) {
         if (!quotes_protect(&place) && (line->at[used] == '#' || line->at[used] == ';'))
             break;
-        if (shell)
+        if (key.n)
             quotes_pass(&place, line->at[used]);
     }
     line->n = used;
     if (place.quote)
-        return scene_text_wrong(t->file, t->line, t->why, "%s: the quote %c does not end; write it once more",
-                                t->shell_key, place.quote);
+        return scene_text_wrong(t->file, t->line, t->why,
+                                "%.*s: the quote %c does not end; write it once more", scene_text_shown(key),
+                                key.at, place.quote);
     return true;
 }
 
 bool scene_text_next(struct scene_text *t, struct word *w)
 {
+    if (!t->line && t->rest.n >= 3 && !memcmp(t->rest.at, "\xEF\xBB\xBF", 3)) /* a byte order mark */
+        t->rest = (struct word){t->rest.at + 3, t->rest.n - 3};
     while (t->rest.n) {
         const char *text = t->rest.at, *end = memchr(text, '\n', t->rest.n);
         size_t length = end ? (size_t)(end - text) : t->rest.n;
-        int odd = odd_byte(text, length < SCENE_FILE_LINE ? length : SCENE_FILE_LINE);
+        int odd = odd_byte(text, length);
         t->line++;
         if (odd)
             return scene_text_wrong(
                 t->file, t->line, t->why,
-                "byte 0x%02X: a %s is plain ASCII text (no byte order mark; um for micrometre)", odd & 255,
+                "byte 0x%02X: a %s is text in UTF-8 without control characters; save it so", odd & 255,
                 t->what);
         if (length > SCENE_FILE_LINE)
             return scene_text_wrong(t->file, t->line, t->why, "longer than %d characters", SCENE_FILE_LINE);

@@ -1,5 +1,5 @@
-/* scene_text.h - the lexer of scene files and test files: lines of plain ASCII, comments, words, and where
- * a mistake is. */
+/* scene_text.h - the lexer of scene files and test files: lines of UTF-8, comments, words, and where a
+ * mistake is. */
 #ifndef HOST_SIM_SCENE_TEXT_H
 #define HOST_SIM_SCENE_TEXT_H
 
@@ -24,6 +24,12 @@ struct word scene_text_trimmed(struct word w);
 /* Takes the first word, up to white space, off *rest; empty when there is none. */
 struct word scene_text_take(struct word *rest);
 
+/* As scene_text_take, but what stands between quotes, " or ', is one name, without them. */
+struct word scene_text_take_name(struct word *rest);
+
+/* A name that is the whole of it, in quotes or not. */
+struct word scene_text_name(struct word w);
+
 /* One line into why[SCENE_FILE_REASON]: file, line where it is not 0, and the message. Always false. */
 bool scene_text_wrong(const char *file, int line, char *why, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -31,7 +37,8 @@ bool scene_text_wrong(const char *file, int line, char *why, const char *format,
 /* A text, and how far it was read. All but `line` is the caller's to set. */
 struct scene_text {
     const char *file, *what; /* "scene" */
-    const char *shell_key;   /* in the value of this key quotes protect # and ;, as in a shell; or NULL */
+    const char *shell_key;   /* a key whose quotes protect # and ;, as in a shell; so do quotes around any
+                              * name then; or NULL: none */
     char *why;
     struct word rest;
     int line; /* that was taken last */

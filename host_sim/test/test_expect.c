@@ -6,6 +6,7 @@
 #include <string.h>
 #include "host_sim/cli/options.h"
 #include "host_sim/cli/options_nearest.h"
+#include "host_sim/cli/unit.h"
 
 #define TIME_MAX  1e6
 #define VALUE_MAX 1e300
@@ -130,10 +131,12 @@ static bool read_value(struct test_reader *r, struct test_expect *e, struct word
         return read_hash(r, e, w);
     metric_unit(r->test->scene.model, e->what.kind, e->what.signal, unit);
     size_t n = strlen(unit);
-    bool equal = n < w.n && !memcmp(w.at + w.n - n, unit, n) && !strchr("fpnumkMG", w.at[w.n - n - 1]);
+    bool equal =
+        n < w.n && !memcmp(w.at + w.n - n, unit, n) && !strchr("fpnumkMG\xB5\xBC", w.at[w.n - n - 1]);
     if (!prefix_allowed(unit) && !equal)
         return test_wrong(r, "expect: \"%.*s\": give a number in %s, without a prefix", scene_text_shown(w),
                           w.at, unit);
+    e->one = unit_asked(w.at, w.n, unit, e->unit);
     return test_read_value(r, "expect", w, unit, -VALUE_MAX, VALUE_MAX, &e->value);
 }
 
@@ -165,6 +168,7 @@ bool test_read_expect(struct test_reader *r, struct word rest)
     struct test_expect *e = &c->expect[c->n_expects];
     memset(e, 0, sizeof *e);
     e->line = r->text.line;
+    e->one = 1.0;
     snprintf(e->text, sizeof e->text, "%.*s", (int)rest.n, rest.at);
     struct word metric = scene_text_take(&rest), op = scene_text_take(&rest);
     if (!op.n)

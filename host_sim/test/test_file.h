@@ -40,6 +40,8 @@ struct test_expect {
     struct metric_setting what;
     enum test_operator op;
     double value;
+    char unit[METRIC_UNIT]; /* in which it asks */
+    double one;             /* such unit in the metric's */
     uint64_t hash;
 };
 

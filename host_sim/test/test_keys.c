@@ -54,7 +54,7 @@ static bool take_scene(struct test_reader *r, struct word value)
     struct test_file *t = r->test;
     if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps || t->lever.model)
         return test_wrong(r, "scene: it stands first in [plant]; the other keys are its own");
-    if (!test_copy(r, value, t->scene_name, sizeof t->scene_name))
+    if (!test_copy(r, scene_text_name(value), t->scene_name, sizeof t->scene_name))
         return false;
     return r->load(t->file, t->scene_name, &t->scene, why) ? true : test_wrong(r, "scene: %.400s", why);
 }
@@ -66,7 +66,7 @@ static bool take_microscope(struct test_reader *r, struct word value)
     struct test_file *t = r->test;
     if (t->plant.n || t->plant.rate_Hz > 0.0 || t->plant.substeps || t->scene.model)
         return test_wrong(r, "microscope: it stands first in [plant], in the place of scene");
-    if (!test_copy(r, value, t->scene_name, sizeof t->scene_name))
+    if (!test_copy(r, scene_text_name(value), t->scene_name, sizeof t->scene_name))
         return false;
     if (!r->load(t->file, t->scene_name, &t->lever, why))
         return test_wrong(r, "microscope: %.400s", why);
@@ -219,7 +219,7 @@ static bool take_golden(struct test_reader *r, struct word value)
 {
     struct test_case *c = r->now;
     const struct model *m = r->test->scene.model;
-    struct word path = scene_text_take(&value), name = scene_text_take(&value);
+    struct word path = scene_text_take_name(&value), name = scene_text_take(&value);
     for (int i = 0; i < DECODE_SIGNALS; i++)
         c->tolerance[i] = name.n ? (double)NAN : 0.0;
     while (name.n) {
@@ -283,6 +283,7 @@ static bool take_like(struct test_reader *r, struct word value)
     char text[OPTIONS_ADVICE];
     struct test_file *t = r->test;
     int n = t->n_cases - 1;
+    value = scene_text_name(value);
     for (int i = 0; i < n; i++) {
         name[i] = t->cases[i].name;
         if (!scene_text_is(value, name[i]))

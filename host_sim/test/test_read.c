@@ -99,7 +99,7 @@ static bool take_header(struct test_reader *r, struct word w)
         return false;
     memset(r->given, 0, sizeof r->given);
     if (scene_text_is(name, "case"))
-        return begin_case(r, rest);
+        return begin_case(r, scene_text_name(rest));
     int i = scene_text_is(name, "plant")        ? TEST_IN_PLANT
             : scene_text_is(name, "controller") ? TEST_IN_CONTROLLER
                                                 : 0;

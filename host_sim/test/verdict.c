@@ -70,21 +70,20 @@ static void write_value(double value, const char *unit, char text[UNIT_TEXT])
 {
     char rounded[UNIT_TEXT];
     snprintf(rounded, sizeof rounded, "%.4g", value);
-    unit_write(strtod(rounded, NULL), unit, text);
+    unit_write_asked(strtod(rounded, NULL), unit, text);
 }
 
 static void describe(const struct evidence *e, const struct measurement *m, struct outcome *o)
 {
     const struct metric_setting *what = &m->set;
-    char unit[METRIC_UNIT], more[128] = "", value[UNIT_TEXT] = "";
+    char more[128] = "", value[UNIT_TEXT] = "";
     const struct metric_value *v = &o->value;
-    metric_unit(e->model, what->kind, what->signal, unit);
     if (what->kind == METRIC_FAULTS)
         trouble_faults(e->faults, more, sizeof more);
     if (what->kind == METRIC_REFUSED)
         trouble_refusals(e->count, more, sizeof more);
     if (v->known && isfinite(v->value))
-        write_value(v->value, unit, value);
+        write_value(v->value, o->unit, value);
     if (!v->known && m->untold)
         snprintf(o->found, sizeof o->found, "not judged: %s", m->untold);
     else if (!v->known && !*v->note)
@@ -111,6 +110,8 @@ static void judge_one(const struct evidence *e, const struct test_expect *x, str
     o->verdict = !o->value.known ? VERDICT_UNTESTED : good ? VERDICT_OK : VERDICT_FAIL;
     if (o->verdict == VERDICT_FAIL && !x->line && o->kind == METRIC_FAULTS)
         o->verdict = VERDICT_ERROR; /* the plant's own trouble */
+    memcpy(o->unit, x->unit, sizeof o->unit);
+    o->value.value /= x->one;
     describe(e, m, o);
 }
 
@@ -122,7 +123,7 @@ void verdict_judge(const struct evidence *e, const struct test_case *c, struct m
     r->faults = e->faults;
     memcpy(r->count, e->count, sizeof r->count);
     for (int i = 0; i < n && r->verdict != VERDICT_ERROR; i++) {
-        struct test_expect own = {.what = m[i].set};
+        struct test_expect own = {.what = m[i].set, .one = 1.0};
         snprintf(own.text, sizeof own.text, "%s == 0 (every case, unless it names it)",
                  metric_table[own.what.kind].name);
         judge_one(e, i < c->n_expects ? &c->expect[i] : &own, &m[i], &r->outcome[r->n++]);

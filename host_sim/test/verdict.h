@@ -11,7 +11,6 @@ enum { VERDICT_MEASUREMENTS = TEST_EXPECTS + BENCH_IMPLICIT + BENCH_TRUTHS };
 
 /* A run shows this beside its measurements. */
 struct evidence {
-    const struct model *model;
     double now_s; /* plant time */
     uint64_t hash;
     unsigned faults;       /* ever latched in the run */

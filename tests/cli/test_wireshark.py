@@ -23,7 +23,7 @@ import canmatrix.formats  # noqa: E402
 
 program = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build/contactplant")
 BASE, MOTION, REPLY, STREAM = 0x200, 0x214, 0x211, 0x204
-FUZZED = int(os.environ.get("FUZZED", 200000))
+FUZZED = int(os.environ.get("FUZZED", 1000000))
 CASE = """[plant]
 scene = hertz_rig
 stream_echo_every = 1

@@ -504,7 +504,7 @@ MISTAKES = [
     (HEAD + "like = b", 7, "there is no case before"), (HEAD + "over = 2 s", 7, "already"), (HEAD + "exspect refused == 0", 7, ""),
     (HEAD + "golden = x.log penetraton 1 um", 7, "penetraton is no signal of the bus"), (HEAD + "golden = x.log penetration 1 kg", 7, "does not fit"),
     (HEAD + "golden = x.log penetration", 7, ""),
-    (HEAD + "at 0.1 s arm force frequency=1e5\nexpect refused == 0", 5, "fewer than 4 steps"), (HEAD + "\xb5", 7, "plain ASCII"),
+    (HEAD + "at 0.1 s arm force frequency=1e5\nexpect refused == 0", 5, "fewer than 4 steps"), (HEAD + "\xb5", 7, "text in UTF-8"), (HEAD + "like = 'a", 7, "the quote ' does not end"),
 ]
 
 
@@ -552,6 +552,27 @@ def test_reports():
     verdict("a case that is not there", r.returncode == 2 and "did you mean good?" in r.stderr, r.stderr)
     r = test(name, "--case", "good", "--log", "/dev/null/x")
     verdict("a folder that cannot be made", r.returncode == 2 and "--log" in r.stderr, r.stderr)
+
+
+def test_asked():
+    """Names in quotes and in UTF-8; each answer in the unit of its question."""
+    write("ü #1.ini", "\ufeff# µ\n[plant]\nmodel = hertz_rig\nmass = 6.5 kg  # ü\n")
+    asked = [("penetration.max", 1e-9, "nm"), ("penetration.max", 1e-6, "µm"), ("penetration.max", 1e-6, "μm"), ("penetration.max", 1.0, "m"), ("penetration.rms", 1e-3, "mm"), ("velocity.max", 1e-3, "mm/s"),
+             ("velocity.phase", math.pi / 180, "rad"), ("penetration.effort", 1e-6, "um s"), ("last_loss", 1 / 60, "min"), ("contact_loss", 1.0, "%"), ("touchdowns", 1.0, ""), ("impact_speed", 1e3, "km/s")]
+    asked = [(m, 180 / math.pi if u == "rad" else 60.0 if u == "min" else x, u) for m, x, u in asked]
+    case = "over = 0.5 s\nlockin = 225 Hz\nat 0.05 s arm force amplitude=60 N frequency=225 Hz\n"
+    own = {"penetration.max": "m", "penetration.rms": "m", "velocity.max": "m/s", "velocity.phase": "deg", "penetration.effort": "m s", "last_loss": "s", "contact_loss": "%", "touchdowns": "", "impact_speed": "m/s"}
+    name = file_of("idle", "[case 'ü µ']\n" + case + "".join("expect %s == -4e9 %s\n" % (m, u) for m, _, u in asked) +
+                   "[case si]\nlike = \"ü µ\"\n" + "".join("expect %s == -4e9 %s\n" % x for x in own.items()), scene='"ü #1.ini"')
+    r = test(name, "--json", path("u.json"), "--junit", path("u.xml"), "--report", path("u.html"))
+    verdict("two cases", (r.returncode, r.verdicts) == (1, {"ü µ": "FAIL", "si": "FAIL"}), r.stdout + r.stderr)
+    told = json.loads(read("u.json"))["cases"]
+    base = {x["metric"] + x["expect"].split(" ")[0]: x["value"] for x in told[1]["expects"]}
+    for (metric, one, unit), x in zip(asked, told[0]["expects"]):
+        wanted = base[x["metric"] + metric] / one
+        found = re.match(r"it was (-?[\d.e+-]+) ?(.*) at [\d.]+ s$", x["found"])
+        good = found and found[2] == unit == x["unit"] and abs(float(found[1]) / wanted - 1) < 1e-3 and abs(x["value"] / wanted - 1) < 1e-12
+        verdict("%s in %s: %s" % (metric, unit, x["found"]), good and all(x["found"].encode() in t for t in (r.stdout.encode(), read("u.xml"), read("u.html"))), (wanted, x))
 
 
 def test_decoded():
@@ -632,6 +653,6 @@ def test_trouble():
 
 
 with tempfile.TemporaryDirectory() as directory:
-    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_response_beside, test_counters, test_counts, test_stream_and_faults, test_lost_for_good, test_reports, test_decoded, test_golden, test_trouble):
+    for part in (test_mistakes, test_bugs, test_seeds, test_examples, test_controllers, test_bytes, test_simulated, test_step, test_fire, test_response, test_response_beside, test_counters, test_counts, test_stream_and_faults, test_lost_for_good, test_reports, test_asked, test_decoded, test_golden, test_trouble):
         part()
 conclude()

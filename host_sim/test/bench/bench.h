@@ -24,7 +24,8 @@ struct outcome {
     char text[TEST_VALUE];
     char found[BENCH_TEXT]; /* the value and when, for people */
     enum metric_kind kind;
-    struct metric_value value;
+    struct metric_value value; /* in this unit, that of the expectation */
+    char unit[METRIC_UNIT];
 };
 
 struct bench_result {

@@ -428,7 +428,7 @@ const char *bench_plant_state(const struct bench_plant *p)
 void bench_plant_judge(struct bench_plant *p, const struct test_case *c, struct bench_result *r)
 {
     const struct plant *pl = &p->scene.app.plant;
-    const struct evidence e = {p->see, plant_time(pl),
+    const struct evidence e = {plant_time(pl),
                                !pl->model ? 0
                                : p->loops ? bench_microscope_hash(pl)
                                           : plant_hash(pl),

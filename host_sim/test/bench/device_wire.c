@@ -277,6 +277,6 @@ void device_wire_judge(struct device_wire *w, const struct test_case *c, bool kn
     for (int k = 0; k < p->n; k++)
         if (metric_table[p->measurement[k].set.kind].of == OF_CONTACTS && w->not_sent > 0.0)
             p->measurement[k].untold = w->not_heard;
-    const struct evidence e = {p->scene.config.model, w->now_s, 0, w->faults, count};
+    const struct evidence e = {w->now_s, 0, w->faults, count};
     verdict_judge(&e, c, p->measurement, p->n_judged, r);
 }

@@ -170,7 +170,7 @@ static void json_outcome(struct json *j, const struct outcome *o)
         json_put(j, "%h", o->value.hash);
     else
         json_put(j, "%e", o->value.known ? o->value.value : unknown);
-    json_put(j, ", 'at_s': %e}", o->value.known ? o->value.when_s : unknown);
+    json_put(j, ", 'unit': %s, 'at_s': %e}", o->unit, o->value.known ? o->value.when_s : unknown);
 }
 
 static void json_case(struct json *j, const struct report_case *r)

@@ -385,7 +385,16 @@ TEST(scene_limits)
     check_true("a null byte is refused",
                !scene_file_parse("a.ini", RIG, sizeof RIG, &(struct scene){0}, why));
     check_string("  is said", why,
-                 "a.ini:3: byte 0x00: a scene is plain ASCII text (no byte order mark; um for micrometre)");
+                 "a.ini:3: byte 0x00: a scene is text in UTF-8 without control characters; save it so");
+    check_true("a byte order mark, a comment in UTF-8, and a unit with each micro",
+               parse_bytes(put("\xEF\xBB\xBF" RIG "# µ ü\n[ask]\nover = 2e6 µs\ntolerance = 1e-3")) &&
+                   parse_bytes(put(RIG "[ask]\nover = 2e6 μs")));
+    check_true("  but a control of two bytes", !parse_bytes(put(RIG "# \xC2\x9B")));
+    n = put(RIG);
+    memset(big + n, '#', SCENE_FILE_LINE);
+    memcpy(big + n + SCENE_FILE_LINE - 1, "ü", 2); /* begins as the last byte that a line may have */
+    check_true("one byte more than a line", !parse_bytes(n + SCENE_FILE_LINE + 1));
+    check_string("  is said", why, "a.ini:3: longer than 255 characters");
 
     n = put(RIG "[ask]\n");
     for (int i = 3; i < SCENE_FILE_KEYS; i++)

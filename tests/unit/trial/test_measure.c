@@ -101,13 +101,14 @@ static void judge_fault(enum metric_kind kind, struct bench_result *r)
     static struct test_case c;
     static struct measurement m[VERDICT_MEASUREMENTS];
     static const uint32_t count[DIAG_COUNTERS];
-    const struct evidence e = {model_table[0], 1.0, 0, FAULT_LEDGER, count};
+    const struct evidence e = {1.0, 0, FAULT_LEDGER, count};
     struct metric_setting s[VERDICT_MEASUREMENTS];
     memset(&c, 0, sizeof c);
     memset(r, 0, sizeof *r);
     c.over_s = 1.0;
     c.n_expects = 1;
-    c.expect[0] = (struct test_expect){.line = 7, .op = TEST_EQUAL, .what = {.kind = kind, .to_s = 1.0}};
+    c.expect[0] =
+        (struct test_expect){.line = 7, .op = TEST_EQUAL, .one = 1.0, .what = {.kind = kind, .to_s = 1.0}};
     int n = verdict_settings(&c, s);
     for (int i = 0; i < n; i++) {
         measurement_begin(&m[i], &s[i], TICK_S, false);
