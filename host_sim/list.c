@@ -14,7 +14,6 @@
 #include "host_sim/test/metric.h"
 #include "firmware/afm/afm_plant.h"
 #include "host_sim/test/test_afm.h"
-#include "models/math/elementary.h"
 #include "models/models.h"
 #include "models/scenes/scenes_table.h"
 
@@ -204,11 +203,10 @@ enum { PARTS = sizeof part / sizeof part[0] };
 static int no_part(const char *text)
 {
     const char *name[PARTS];
-    char advice[OPTIONS_ADVICE];
     for (int i = 0; i < PARTS; i++)
         name[i] = part[i].name;
     return options_misuse(&list_usage, "nothing called \"%s\"%s", text,
-                          options_advise(text, strlen(text), name, PARTS, NULL, advice, sizeof advice));
+                          options_advise(text, strlen(text), name, PARTS, NULL));
 }
 
 int cmd_list(int argc, char **argv)

@@ -14,7 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/wire_table.h"
-#include "models/scenes/scenes_table.h"
 
 #define PAGES                                                                                                \
     "Pages (docs/..) are printed by contactplant help PAGE, and searched by contactplant help\n--search "    \

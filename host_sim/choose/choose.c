@@ -6,7 +6,6 @@
 #include "host_sim/choose/choose_print.h"
 #include "host_sim/choose/choose_search.h"
 #include "host_sim/choose/choose_tell.h"
-#include "host_sim/cli/clock.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/commands.h"
 #include "host_sim/cli/options.h"
@@ -17,7 +16,6 @@
 #include "host_sim/scene/scene_load.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { STEPS_MAX = 1000 /* in a sweep */, SWEEP_TEXT = 256 };
@@ -72,9 +70,8 @@ static int find_name(const struct options *o, const char *option, const char *co
     for (int i = 0; i < n; i++)
         if (!strcmp(name, names[i]))
             return i;
-    char advice[OPTIONS_ADVICE];
     options_misuse(o->usage, "--%s %s: %s%s", option, name, lacking,
-                   options_advise(name, strlen(name), names, n, NULL, advice, sizeof advice));
+                   options_advise(name, strlen(name), names, n, NULL));
     return -1;
 }
 
@@ -87,8 +84,7 @@ static bool find_machine(const struct options *o, struct choose_certificate *c)
     if (c->machine >= 0 && !(choose_machine[c->machine].ns[0] > 0.0))
         options_misuse(o->usage,
                        "--on %s: it is an emulated board of no known processor, so no deadline can be judged "
-                       "on it; every "
-                       "certificate shows its instructions; choose another",
+                       "on it; every certificate shows its instructions; choose another",
                        names[c->machine]);
     return c->machine >= 0 && choose_machine[c->machine].ns[0] > 0.0;
 }
@@ -131,11 +127,10 @@ static int refuse_input(const struct options *o, const struct choose_certificate
 {
     const struct model *m = c->scene.model;
     const char *names[MODEL_INPUTS];
-    char advice[OPTIONS_ADVICE];
     for (int i = 0; i < m->n_inputs; i++)
         names[i] = m->input_signal[i].name;
     return options_misuse(o->usage, "--sweep %.*s: no input of %s that the scene drives%s", (int)n, name,
-                          m->name, options_advise(name, n, names, m->n_inputs, NULL, advice, sizeof advice));
+                          m->name, options_advise(name, n, names, m->n_inputs, NULL));
 }
 
 /* INPUT=FROM:TO:N; versions before wrote commas. */

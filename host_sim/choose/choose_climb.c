@@ -7,7 +7,6 @@
 #include "host_sim/choose/choose_run.h"
 #include "host_sim/choose/choose_tell.h"
 #include "host_sim/choose/choose_truth.h"
-#include "models/math/elementary.h"
 
 enum { ATTEMPTS = 24 /* runs of one method on one model */ };
 static const double ticks_max = 4e7;                 /* in one run */

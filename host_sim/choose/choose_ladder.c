@@ -1,7 +1,6 @@
 /* choose_ladder.c - see choose_ladder.h. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "host_sim/choose/choose_ladder.h"
 #include "models/afm_lever.h"

@@ -1,6 +1,5 @@
 /* choose_print.c - see choose_print.h. */
 #include <math.h>
-#include <string.h>
 
 #include "host_sim/choose/choose_print.h"
 #include "host_sim/choose/choose_climb.h"
@@ -46,8 +45,7 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
     else if (!c->met && c->statistics && !c->chaotic && !c->heat)
         ROW("REFUSED",
             "Nothing meets the tolerance of %g: the full model itself is known to %.2g only. Ask for at "
-            "least ten times "
-            "that. The closest is shown.",
+            "least ten times that. The closest is shown.",
             c->scene.tolerance, c->truth_error);
     else if (!c->met && c->heat)
         ROW("REFUSED",
@@ -57,8 +55,7 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
     else if (!c->met && c->statistics)
         ROW("REFUSED",
             "Nothing meets the tolerance of %g: the motion is chaotic, and its statistics scatter too much "
-            "over this "
-            "time. Ask for a longer time or a larger tolerance. The closest is shown.",
+            "over this time. Ask for a longer time or a larger tolerance. The closest is shown.",
             c->scene.tolerance);
     else if (!c->met)
         ROW("REFUSED", "Nothing meets the tolerance of %g. Ask for a larger one. The closest is shown.",
@@ -66,8 +63,7 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
     else if (!c->in_time)
         ROW("REFUSED",
             "Nothing meets the deadline on %s: the fastest takes %.3g us per frame, and %.3g us are allowed. "
-            "Allow a "
-            "larger cost, frame or tolerance, or name a faster machine (--on). The fastest is shown.",
+            "Allow a larger cost, frame or tolerance, or name a faster machine (--on). The fastest is shown.",
             choose_machine[c->machine].name, best_us(c), 1e6 * c->budget_s);
 }
 
@@ -106,8 +102,7 @@ static void print_cost(FILE *out, const struct choose_certificate *c)
                  choose_frame_cost(&full->attempt[full->best], c->machine) / cost);
     ROW("COST",
         "%.3g us per frame on %s, %.3g %% of the %.3g us allowed. The scene as given takes %.3g times as "
-        "many "
-        "instructions%s. Measured here, for information: %.0f ns per step.",
+        "many instructions%s. Measured here, for information: %.0f ns per step.",
         best_us(c), choose_machine[c->machine].name, 100e-6 * best_us(c) / c->budget_s, 1e6 * c->budget_s,
         c->given_cost / cost, less, t->ns);
     fprintf(out, "           %-16s %14s %14s %14s %14s\n", "machine", "instr. a step", "instr. a frame",

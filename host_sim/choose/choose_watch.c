@@ -269,8 +269,7 @@ static const struct {
      "large"},
     {"dropped modes", KIND_MODE, find_dropped,
      "an asymmetry, a force elsewhere or another frequency moves the dropped modes more than %1$s times as "
-     "far as "
-     "the kept one (now %2$s)"},
+     "far as the kept one (now %2$s)"},
     {"attraction", KIND_BARE, find_attraction,
      "gap falls below %1$s: there the attraction that this model leaves out may matter more than the "
      "tolerance"},

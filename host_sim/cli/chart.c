@@ -448,15 +448,13 @@ void chart_level(struct chart *c, double y, enum chart_colour colour, const char
 }
 
 static const char style[] =
-    "text{font-family:Helvetica,Arial,\"Liberation Sans\",\"DejaVu Sans\",sans-serif;fill:#22272e}"
-    ".title{font-size:18px;font-weight:600}.label{font-size:12px;font-weight:600}.small{font-size:12px;fill:#"
-    "444c56}"
-    ".note{paint-order:stroke;stroke:#fff;stroke-width:3px}.tick{font-size:11px;fill:#444c56}.grid{stroke:#"
-    "e4e7eb;fill:none}.frame{stroke:#9aa3ad;fill:none}"
-    ".line{fill:none;stroke-width:1.6;stroke-linejoin:round;stroke-linecap:round}"
-    ".band{fill-opacity:.42;stroke-width:.6;stroke-opacity:.7}.cell{fill-opacity:.7;shape-rendering:"
-    "crispEdges}.dash{fill:none;stroke-width:1.3;stroke-"
-    "dasharray:5 3}";
+    "text{font-family:Helvetica,Arial,\"Liberation Sans\",\"DejaVu "
+    "Sans\",sans-serif;fill:#22272e}.title{font-size:18px;font-weight:600}.label{font-size:12px;font-weight:"
+    "600}.small{font-size:12px;fill:#444c56}.note{paint-order:stroke;stroke:#fff;stroke-width:3px}.tick{font-"
+    "size:11px;fill:#444c56}.grid{stroke:#e4e7eb;fill:none}.frame{stroke:#9aa3ad;fill:none}.line{fill:none;"
+    "stroke-width:1.6;stroke-linejoin:round;stroke-linecap:round}.band{fill-opacity:.42;stroke-width:.6;"
+    "stroke-opacity:.7}.cell{fill-opacity:.7;shape-rendering:crispEdges}.dash{fill:none;stroke-width:1.3;"
+    "stroke-dasharray:5 3}";
 
 const char *chart_end(struct chart *c, FILE *out)
 {
@@ -466,9 +464,8 @@ const char *chart_end(struct chart *c, FILE *out)
     bool bad = fclose(c->body) != 0;
     int height = (int)rint(c->next_y);
     xml_put(out,
-            XML_HEAD
-            "<svg xmlns='http://www.w3.org/2000/svg' role='img' width='%i' height='%i' viewBox='0 0 %i "
-            "%i'>\n<style>%r</style>\n<rect width='%r' height='%r' fill='#ffffff'/>\n",
+            XML_HEAD "<svg xmlns='http://www.w3.org/2000/svg' role='img' width='%i' height='%i' viewBox='0 0 "
+                     "%i %i'>\n<style>%r</style>\n<rect width='%r' height='%r' fill='#ffffff'/>\n",
             CHART_WIDTH, height, CHART_WIDTH, height, style, "100%", "100%");
     fwrite(c->text, 1, c->size, out);
     xml_put(out, "</svg>\n");

@@ -85,8 +85,8 @@ const char *options_nearest(const char *text, const char *const *name, int n)
     return word ? word : nearest ? nearest : beginning(text, name, n, false);
 }
 
-const char *options_advise(const char *text, size_t n_text, const char *const *name, int n, const char *hint,
-                           char *advice, size_t size)
+const char *options_advise_in(char *advice, size_t size, const char *text, size_t n_text,
+                              const char *const *name, int n, const char *hint)
 {
     char own[WORD];
     snprintf(own, sizeof own, "%.*s", n_text < WORD ? (int)n_text : WORD - 1, text);

@@ -41,16 +41,13 @@ static void print_message(FILE *out, const struct bus_scene *s, unsigned kind)
 
 static void print_network_comment(FILE *out, const struct bus_scene *s)
 {
-    fprintf(
-        out,
-        "CM_ \"contactplant %s. Plant frames at %g Hz, %u ticks each. Lengths, forces and energies are real; "
-        "seconds on the bus are bus seconds, one bus second = 1/D real seconds. Real f0 %g Hz, dilation D = "
-        "%g, "
-        "f0 on the bus %g Hz. Unused bits are 0. This file is of the plant whose INFO identity is %u: "
-        "believe "
-        "no scaled number of another one.\";\n",
-        s->model->name, s->wire.frame_rate_Hz, (unsigned)s->wire.substeps, s->f0_Hz, s->wire.dilation,
-        s->f0_Hz / s->wire.dilation, (unsigned)s->wire.identity);
+    fprintf(out,
+            "CM_ \"contactplant %s. Plant frames at %g Hz, %u ticks each. Lengths, forces and energies are "
+            "real; seconds on the bus are bus seconds, one bus second = 1/D real seconds. Real f0 %g Hz, "
+            "dilation D = %g, f0 on the bus %g Hz. Unused bits are 0. This file is of the plant whose INFO "
+            "identity is %u: believe no scaled number of another one.\";\n",
+            s->model->name, s->wire.frame_rate_Hz, (unsigned)s->wire.substeps, s->f0_Hz, s->wire.dilation,
+            s->f0_Hz / s->wire.dilation, (unsigned)s->wire.identity);
 }
 
 static void print_comments(FILE *out, const struct bus_scene *s, unsigned kind)

@@ -71,12 +71,11 @@ static void print_message(FILE *out, const struct bus_scene *s, unsigned kind)
 
 void dissector_print(FILE *out, const struct bus_scene *s)
 {
-    fprintf(
-        out,
-        "-- Messages of the contactplant %s, whose INFO identity is %u: believe no scaled number of another "
-        "one.\nlocal plant = {\n    model = \"%s\", base = %u, extended = %s,\n    message = {\n",
-        s->model->name, (unsigned)s->wire.identity, s->model->name, (unsigned)s->wire.base_id,
-        s->wire.extended ? "true" : "false");
+    fprintf(out,
+            "-- Messages of the contactplant %s, whose INFO identity is %u: believe no scaled number of "
+            "another one.\nlocal plant = {\n    model = \"%s\", base = %u, extended = %s,\n    message = {\n",
+            s->model->name, (unsigned)s->wire.identity, s->model->name, (unsigned)s->wire.base_id,
+            s->wire.extended ? "true" : "false");
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
         if (bus_has(s, kind))
             print_message(out, s, kind);

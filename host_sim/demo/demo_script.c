@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 enum {
     TIMEOUT_FRAMES =
@@ -77,14 +76,13 @@ static void show(struct demo *d)
     if (i < 0 || now - d->shown_s < (d->tty ? 0.1 : 0.5))
         return;
     d->shown_s = now;
-    printf(
-        "%s%-10s t %6.2f s | displacement %6.2f .. %5.2f µm | drive %4.2f N | control %5.1f N | contact loss "
-        "%4.1f %% | age %3.0f frames | overruns %.0f%s",
-        d->tty ? "\r" : "", demo_phase_name[r->phase], r->column[DEMO_TIME][i],
-        1e6 * r->column[DEMO_DISPLACEMENT][i], 1e6 * r->column[DEMO_DISPLACEMENT + 1][i],
-        r->column[DEMO_SLOW_N][i], isnan(r->column[DEMO_COMMAND][i]) ? 0.0 : r->column[DEMO_COMMAND][i],
-        100.0 * r->column[DEMO_LOSS][i], r->column[DEMO_AGE][i],
-        fmax(d->client.latest.health[DIAG_OVERRUNS], 0.0), d->tty ? "\033[K" : "\n");
+    printf("%s%-10s t %6.2f s | displacement %6.2f .. %5.2f µm | drive %4.2f N | control %5.1f N | contact "
+           "loss %4.1f %% | age %3.0f frames | overruns %.0f%s",
+           d->tty ? "\r" : "", demo_phase_name[r->phase], r->column[DEMO_TIME][i],
+           1e6 * r->column[DEMO_DISPLACEMENT][i], 1e6 * r->column[DEMO_DISPLACEMENT + 1][i],
+           r->column[DEMO_SLOW_N][i], isnan(r->column[DEMO_COMMAND][i]) ? 0.0 : r->column[DEMO_COMMAND][i],
+           100.0 * r->column[DEMO_LOSS][i], r->column[DEMO_AGE][i],
+           fmax(d->client.latest.health[DIAG_OVERRUNS], 0.0), d->tty ? "\033[K" : "\n");
     fflush(stdout);
 }
 
@@ -120,11 +118,10 @@ static bool is_well(struct demo *d)
     if (!d->started || d->record.phase == DEMO_SILENT)
         return true;
     if (l->reaction != REACTION_NONE)
-        return fail(
-            d, DEMO_BUSY,
-            "the plant missed the controller's heartbeats: this process was kept waiting for %.0f ms by a "
-            "busy machine",
-            1e3 * d->stall_s);
+        return fail(d, DEMO_BUSY,
+                    "the plant missed the controller's heartbeats: this process was kept waiting for %.0f ms "
+                    "by a busy machine",
+                    1e3 * d->stall_s);
     return l->state == STATE_RUNNING ||
            fail(d, DEMO_FAILED, "the plant left its running state (fault bits 0x%02X)", l->faults);
 }

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include "models/math/elementary.h"
 
 STATIC_ASSERT(MODEL_INPUTS *FMU_DRIVE_FIELDS < FMU_REFERENCES && (int)MODEL_PARAMETERS < FMU_REFERENCES,

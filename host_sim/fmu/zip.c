@@ -3,7 +3,6 @@
 #include "host_sim/fmu/zip.h"
 
 #include <limits.h>
-#include <stdint.h>
 #include <string.h>
 #include "firmware/bus/wire.h"
 

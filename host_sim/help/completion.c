@@ -4,7 +4,6 @@
 #include "firmware/method/method.h"
 #include "host_sim/help/advice.h"
 #include "host_sim/scene/scene_name.h"
-#include "models/models.h"
 #include "models/scenes/scenes_table.h"
 
 #include <stdbool.h>

@@ -223,14 +223,12 @@ static bool print_names_in(const char *text)
 static int no_advice(const char *text)
 {
     const char *name[NAMES_INDICES];
-    char advice[OPTIONS_ADVICE];
     int n = 0;
     for (; advice_name(n); n++)
         name[n] = advice_name(n);
-    return options_misuse(&help_usage, "nothing is known about \"%s\"%s", text,
-                          options_advise(text, strlen(text), name, n,
-                                         "contactplant help --errors prints all names", advice,
-                                         sizeof advice));
+    return options_misuse(
+        &help_usage, "nothing is known about \"%s\"%s", text,
+        options_advise(text, strlen(text), name, n, "contactplant help --errors prints all names"));
 }
 
 static int errors(const struct options *o)

@@ -69,8 +69,7 @@ bool pages_find(struct pages *p, char *why, size_t size)
     beside_program(program);
     snprintf(why, size,
              "the pages are not beside this program: neither in %s/%s nor in %s/%s; run make install in the "
-             "source "
-             "tree, or read them there",
+             "source tree, or read them there",
              program, place[0], program, place[1]);
     return false;
 }

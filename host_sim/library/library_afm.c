@@ -84,10 +84,9 @@ int contactplant_afm_find(struct contactplant_afm *a, const char *name)
         if (name && !strcmp(name, names[i]))
             return i;
     }
-    char advice[OPTIONS_ADVICE];
     name = name ? name : "(NULL)";
     (void)library_fail(&a->error, CONTACTPLANT_BAD_NAME, "no number of the microscope is called \"%.80s\"%s",
-                       name, options_advise(name, strlen(name), names, NUMBERS, NULL, advice, sizeof advice));
+                       name, options_advise(name, strlen(name), names, NUMBERS, NULL));
     return -1;
 }
 

@@ -88,9 +88,8 @@ static int no_name(struct contactplant *p, enum contactplant_kind kind, const ch
     int n = 0;
     for (int i = first_of(kind); describe(m, kind, i, &number) && n < NAMES; i++)
         names[n++] = number.name;
-    char advice[OPTIONS_ADVICE];
     (void)library_fail(&p->error, CONTACTPLANT_BAD_NAME, "%s has no %s \"%.80s\"%s", m->name, kind_name[kind],
-                       name, options_advise(name, strlen(name), names, n, NULL, advice, sizeof advice));
+                       name, options_advise(name, strlen(name), names, n, NULL));
     return -1;
 }
 

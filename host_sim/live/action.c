@@ -68,7 +68,6 @@ static bool read_run_until(const struct model *m, struct word rest, struct actio
 static bool take_input(const struct model *m, struct word *rest, struct action *a, char *why)
 {
     const char *name[MODEL_INPUTS];
-    char advice[OPTIONS_ADVICE];
     struct word w = scene_text_take(rest);
     for (int i = 0; i < m->n_inputs; i++) {
         name[i] = m->input_signal[i].name;
@@ -77,7 +76,7 @@ static bool take_input(const struct model *m, struct word *rest, struct action *
             return true;
     }
     return w.n && wrong(why, "%s has no input \"%.*s\"%s", m->name, scene_text_shown(w), w.at,
-                        options_advise(w.at, w.n, name, m->n_inputs, NULL, advice, sizeof advice));
+                        options_advise(w.at, w.n, name, m->n_inputs, NULL));
 }
 
 static bool read_arm(const struct model *m, struct word rest, struct action *a, char *why)
@@ -149,7 +148,6 @@ static bool read_read(const struct model *m, struct word rest, struct action *a,
 static bool read_capture(const struct model *m, struct word rest, struct action *a, char *why)
 {
     static const char *const name[] = {"arm", "trigger", "stop", "read"};
-    char advice[OPTIONS_ADVICE];
     struct word operation = scene_text_take(&rest), first = scene_text_take(&rest);
     double from, count;
     if (!operation.n || !copy_text(operation, a, why))
@@ -157,7 +155,7 @@ static bool read_capture(const struct model *m, struct word rest, struct action 
     a->operation = names_find(m, NAMES_CAPTURE, a->text);
     if (a->operation < 0)
         return wrong(why, "capture %s: no such operation%s", a->text,
-                     options_advise(operation.at, operation.n, name, 4, NULL, advice, sizeof advice));
+                     options_advise(operation.at, operation.n, name, 4, NULL));
     if (!first.n)
         return true;
     if (a->operation != CAPTURE_READ || !read_whole(first, 0.0, 65535.0, &from) ||

@@ -264,11 +264,10 @@ static bool udp_news(struct bus *b, char text[BUS_REASON])
     char at[32];
     if (b->strangers_told < b->udp.n_strangers) {
         write_address(&b->udp.stranger[b->strangers_told++], at);
-        snprintf(
-            text, BUS_REASON,
-            "%s sent packets that were dropped: it is not a listed peer; add --peer %s to the --peer of the "
-            "others",
-            at, at);
+        snprintf(text, BUS_REASON,
+                 "%s sent packets that were dropped: it is not a listed peer; add --peer %s to the --peer of "
+                 "the others",
+                 at, at);
         return true;
     }
     bool failed[UDP_PEERS];
@@ -281,14 +280,14 @@ static bool udp_news(struct bus *b, char text[BUS_REASON])
                  strerror(b->udp.peer_error[i]));
         return true;
     }
-    return peer_news(b, b->udp.peer_malformed, b->malformed_told,
-                     "sends what is refused: no packet of cannelloni version 2; see "
-                     "docs/reference/protocol.md",
-                     text) ||
-           peer_news(b, b->udp.peer_passed_over, b->passed_over_told,
-                     "sends CAN FD, remote or error frames, too: they are passed over, and rx_foreign counts "
-                     "them",
-                     text);
+    return peer_news(
+               b, b->udp.peer_malformed, b->malformed_told,
+               "sends what is refused: no packet of cannelloni version 2; see docs/reference/protocol.md",
+               text) ||
+           peer_news(
+               b, b->udp.peer_passed_over, b->passed_over_told,
+               "sends CAN FD, remote or error frames, too: they are passed over, and rx_foreign counts them",
+               text);
 }
 
 bool bus_news(struct bus *b, char text[BUS_REASON])

@@ -88,9 +88,9 @@ static bool read_kind(struct faults_rule *r, const char *name, const char *item,
     name += !r->in ? 4 : !r->out ? 3 : 0;
     int kind = find_kind(name);
     if (kind == FAULTS_KINDS) {
-        char reason[ITEM + OPTIONS_ADVICE], advice[OPTIONS_ADVICE];
+        char reason[ITEM + OPTIONS_ADVICE];
         snprintf(reason, sizeof reason, "no such fault%s",
-                 options_advise(name, strlen(name), faults_name, FAULTS_KINDS, NULL, advice, sizeof advice));
+                 options_advise(name, strlen(name), faults_name, FAULTS_KINDS, NULL));
         return refuse_item(why, item, reason);
     }
     r->kind = (enum faults_kind)kind;

@@ -1,7 +1,6 @@
 /* lockstep.c - see lockstep.h. */
 #include "host_sim/live/lockstep.h"
 #include "host_sim/cli/clock.h"
-#include "host_sim/commands.h"
 
 #include <math.h>
 #include <stdio.h>

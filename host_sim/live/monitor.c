@@ -169,14 +169,12 @@ static void hear_message(void *context, const struct frame *f, const struct mess
 static int no_message(const struct monitor *k, const char *text)
 {
     const char *name[WIRE_KINDS];
-    char advice[OPTIONS_ADVICE];
     int n = 0;
     for (unsigned kind = 0; kind < WIRE_KINDS; kind++)
         if (wire_layout(kind))
             name[n++] = names_kind(kind);
-    return options_misuse(
-        k->o->usage, "--only: no message \"%s\"%s", text,
-        options_advise(text, strlen(text), name, n, "contactplant list shows them", advice, sizeof advice));
+    return options_misuse(k->o->usage, "--only: no message \"%s\"%s", text,
+                          options_advise(text, strlen(text), name, n, "contactplant list shows them"));
 }
 
 /* NAME,NAME,.. into k->only; without --only everything. */

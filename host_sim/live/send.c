@@ -95,11 +95,10 @@ static bool is_scene(const char *word)
 static int unknown_command(const struct options *o, const char *word)
 {
     const char *name[ACTION_VERBS];
-    char advice[OPTIONS_ADVICE];
     int n = action_names(send_verbs, name);
     const char *hint = is_scene(word) ? "a scene is given by --model" : NULL;
     return options_misuse(o->usage, "unknown command \"%s\"%s", word,
-                          options_advise(word, strlen(word), name, n, hint, advice, sizeof advice));
+                          options_advise(word, strlen(word), name, n, hint));
 }
 
 /* The command of n words, which may be part of a number with its unit each. */

@@ -158,9 +158,8 @@ static const char *const joined =
     "a line of a share, and left as it is; join shares by contactplant merge, or give another --out";
 static const char *const missing =
     "rows are missing before this one, and left as it is; complete their shard, and join again";
-static const char *const changed =
-    "this row, or one before it, was changed or lost, and left as it is; cut the file off before this line, "
-    "and the same command goes on from there";
+static const char *const changed = "this row, or one before it, was changed or lost, and left as it is; cut "
+                                   "the file off before this line, and the same command goes on from there";
 
 /* Checks one whole row. NULL: b->next is its job, and *keep the offset at which the rows of this job
  * begin. Else says what is wrong. ended: the row before is the last one of its job. */

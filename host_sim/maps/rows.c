@@ -213,8 +213,7 @@ static const char *take_line(struct load *l, char *line)
         return "a row of another map; join shares of one command by contactplant merge";
     if (!fits)
         return "changed since it was written; give the command that wrote the rows its --out again, without "
-               "this "
-               "line and what follows";
+               "this line and what follows";
     l->run = run;
     table->n++;
     return NULL;

@@ -44,11 +44,10 @@ static bool read_option(const struct options *o, long *i, long *n)
     *n = *of == '/' ? strtol(of + 1, &last, 10) : 0;
     bool good = *of == '/' ? last != of + 1 && !*last && *n >= 1 && *n <= INT_MAX : automatic && !*of;
     if (good && automatic && !scheduled(i, n)) {
-        options_misuse(
-            o->usage,
-            "--shard %s: SLURM_ARRAY_TASK_ID of an array 1-N tells the share, or with auto/N it and "
-            "PARALLEL_SEQ of GNU parallel; neither does here",
-            text);
+        options_misuse(o->usage,
+                       "--shard %s: SLURM_ARRAY_TASK_ID of an array 1-N tells the share, or with auto/N it "
+                       "and PARALLEL_SEQ of GNU parallel; neither does here",
+                       text);
         return false;
     }
     good = good && *i >= 1 && *i <= *n;

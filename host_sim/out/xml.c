@@ -2,7 +2,6 @@
 #include "host_sim/out/xml.h"
 
 #include <stdarg.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/out/utf8.h"

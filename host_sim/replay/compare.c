@@ -150,8 +150,7 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
             n++;
         } else if (!c->gaps) {
             snprintf(text, COMPARE_TEXT,
-                     "row %llu is tick %llu in one and %llu in the other%s: not the same "
-                     "course of time",
+                     "row %llu is tick %llu in one and %llu in the other%s: not the same course of time",
                      n + 1, (unsigned long long)a->row.tick, (unsigned long long)b->row.tick,
                      a->row.run != b->row.run ? ", where time begins anew in one alone" : "");
             return COMPARE_APART;
@@ -173,8 +172,7 @@ static enum compare_verdict compare_rows(const struct compare *c, struct side *a
         snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", name_of(c, first ? 0 : 1), n);
     else
         snprintf(text, COMPARE_TEXT,
-                 "%s has no row of this plant while its time runs; is its --base-id another "
-                 "one?",
+                 "%s has no row of this plant while its time runs; is its --base-id another one?",
                  name_of(c, a->log.rows.begun && goes_on(c, a) ? 1 : 0));
     return n ? COMPARE_APART : COMPARE_BAD;
 }
@@ -199,7 +197,7 @@ enum compare_verdict compare_logs(const struct compare *c, char *text)
 
 static int read_tolerance(const struct options *o, const struct model *m, const char *word, struct compare *c)
 {
-    char name[DECODE_SIGNALS][DECODE_NAME], why[UNIT_REASON], advice[OPTIONS_ADVICE];
+    char name[DECODE_SIGNALS][DECODE_NAME], why[UNIT_REASON];
     const char *names[DECODE_SIGNALS], *equal = strchr(word, '=');
     int n = decode_signals(m);
     size_t length = equal ? (size_t)(equal - word) : 0;
@@ -215,7 +213,7 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
         return c->tolerance[i] >= 0.0 ? 0 : options_misuse(o->usage, "%s: a tolerance is 0 or more", word);
     }
     return options_misuse(o->usage, "%s: no such signal%s", word,
-                          options_advise(word, length, names, n, NULL, advice, sizeof advice));
+                          options_advise(word, length, names, n, NULL));
 }
 
 int cmd_compare(int argc, char **argv)

@@ -9,11 +9,8 @@
 #include "host_sim/replay/log_series.h"
 #include "host_sim/report/figure.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const struct option decode_options[] = {
     {"out", "FILE", "rows as CSV (standard output)", OPTION_WRITES, .initial = NULL},

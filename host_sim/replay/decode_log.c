@@ -42,10 +42,9 @@ void decode_log_tell(const struct decode_log *d, const char *command)
     unsigned runs = d->rows.row.run;
     plant_log_tell(&d->log, command);
     if (runs)
-        fprintf(
-            stderr,
-            "contactplant %s: %s: plant time begins anew %u time%s; the plant was started again, or this is "
-            "more than one log\n",
-            command, d->log.reader.path, runs, runs == 1 ? "" : "s");
+        fprintf(stderr,
+                "contactplant %s: %s: plant time begins anew %u time%s; the plant was started again, or this "
+                "is more than one log\n",
+                command, d->log.reader.path, runs, runs == 1 ? "" : "s");
     decode_tell_missing(&d->rows, command, d->log.reader.path);
 }

@@ -9,7 +9,6 @@
 #include "host_sim/replay/plant_log.h"
 #include "host_sim/version.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -109,9 +109,7 @@ static int report(const struct again *g, int got)
                                (unsigned long long)r->compared,
                                g->o->n_words > 1 ? "" : "; if the recorded run had a SCENE, give it");
     printf("equal: %llu frames, %llu commands, %llu messages compared, %llu reports on the machine excluded, "
-           "%llu "
-           "lines of "
-           "others passed over; hash %016llx\n",
+           "%llu lines of others passed over; hash %016llx\n",
            (unsigned long long)g->frames, (unsigned long long)r->commands, (unsigned long long)r->compared,
            (unsigned long long)r->excluded_lines, (unsigned long long)r->passed_over,
            (unsigned long long)plant_hash(&g->scene.app.plant));

@@ -13,9 +13,8 @@
 enum { LINE = 4096 };
 
 /* Nothing from outside is loaded, whatever the text of a scene says. */
-static const char policy[] =
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
-    "style-src 'unsafe-inline'; img-src data:\">\n";
+static const char policy[] = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+                             "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n";
 
 static void put_file(FILE *f, int which)
 {

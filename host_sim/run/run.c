@@ -409,21 +409,18 @@ static void announce_plants(const struct run *s, const char *bus)
 {
     const struct app_config *c = &s->scene->config;
     if (s->plants.n > 1) {
-        fprintf(
-            stderr,
-            "contactplant run: %d plants on %s, identifiers 0x%X to 0x%X, 64 each, %g frames/s; Ctrl-C ends "
-            "it\n",
-            s->plants.n, bus, c->base_id, c->base_id + (uint32_t)s->plants.n * FRAME_IDS - 1,
-            1.0 / c->frame_s);
+        fprintf(stderr,
+                "contactplant run: %d plants on %s, identifiers 0x%X to 0x%X, 64 each, %g frames/s; Ctrl-C "
+                "ends it\n",
+                s->plants.n, bus, c->base_id, c->base_id + (uint32_t)s->plants.n * FRAME_IDS - 1,
+                1.0 / c->frame_s);
         return;
     }
-    fprintf(
-        stderr,
-        "contactplant run: %s by %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, resonance "
-        "%.4g Hz on "
-        "the bus; Ctrl-C ends it\n",
-        c->model->name, scene_method(s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
-        1.0 / c->frame_s, c->substeps, scene_resonance_Hz(s->scene));
+    fprintf(stderr,
+            "contactplant run: %s by %s on %s, identifiers 0x%X to 0x%X, %g frames/s of %u substeps, "
+            "resonance %.4g Hz on the bus; Ctrl-C ends it\n",
+            c->model->name, scene_method(s->scene)->name, bus, c->base_id, c->base_id + WIRE_KINDS - 1,
+            1.0 / c->frame_s, c->substeps, scene_resonance_Hz(s->scene));
 }
 
 static void announce(const struct run *s)
@@ -462,8 +459,9 @@ static int test_itself(struct run *s)
     for (int i = 0; i < s->plants.n; i++)
         app_take_selftest(&s->plants.one[i].scene.app, &r);
     if (r.failed)
-        fprintf(stderr, "contactplant run: the self-test failed, no session can be opened; see contactplant "
-                        "selftest\n");
+        fprintf(
+            stderr,
+            "contactplant run: the self-test failed, no session can be opened; see contactplant selftest\n");
     return STATUS_DONE;
 }
 

@@ -53,11 +53,9 @@ int run_outcome_check(const struct options *o)
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
         for (int i = 0; i < CAUSES_OF_FAILURE; i++)
             known = known || !strcmp(word, cause_name[i]);
-        char advice[OPTIONS_ADVICE];
         if (!known)
             return options_misuse(o->usage, "--fail-on: \"%s\" is no cause of failure%s", word,
-                                  options_advise(word, strlen(word), cause_name, CAUSES_OF_FAILURE, NULL,
-                                                 advice, sizeof advice));
+                                  options_advise(word, strlen(word), cause_name, CAUSES_OF_FAILURE, NULL));
     }
     return STATUS_DONE;
 }

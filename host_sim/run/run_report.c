@@ -4,8 +4,6 @@
 #include "firmware/app/account.h"
 #include "host_sim/replay/log_report.h"
 
-#include <string.h>
-
 int run_report_check(const struct options *o)
 {
     if (options_given(o, "report") && !options_given(o, "log"))

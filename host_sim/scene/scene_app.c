@@ -56,8 +56,7 @@ const char *scene_refuses_stages(const struct scene *s)
     if (scene_kind(s->model)->without_bus)
         return scene_kind(s->model)->without_bus;
     return scene_stage_settings(s, setting)
-               ? "it has a [stage], which works in run, simulate, test, scan and "
-                 "thermal; leave it out here"
+               ? "it has a [stage], which works in run, simulate, test, scan and thermal; leave it out here"
                : NULL;
 }
 

@@ -52,13 +52,11 @@ static int find_name(const struct model *m, enum scene_key_kind kind, struct wor
 static bool set_name(struct reader *r, struct line *l, const struct scene_key *k)
 {
     const char *name[NAMES];
-    char text[OPTIONS_ADVICE];
     int n, i = find_name(r->scene.model, k->kind, l->value, name, &n);
     if (i < 0)
         return scene_lines_wrong(r, l->number, "%s: no %s \"%.*s\"%s", k->name,
                                  k->kind == KEY_PROMOTE ? "model" : k->full, scene_text_shown(l->value),
-                                 l->value.at,
-                                 options_advise(l->value.at, l->value.n, name, n, NULL, text, sizeof text));
+                                 l->value.at, options_advise(l->value.at, l->value.n, name, n, NULL));
     if (k->kind == KEY_METHOD)
         r->scene.method = method_table[i]->name;
     if (k->kind == KEY_OBSERVABLE)
@@ -95,7 +93,6 @@ static bool no_key(struct reader *r, const struct line *l, int input)
 {
     struct scene_key key[SCENE_KEYS];
     const char *name[SCENE_KEYS];
-    char text[OPTIONS_ADVICE];
     int n = 0;
     for (; n < SCENE_KEYS && scene_keys_get(&r->scene, l->section, input, n, &key[n]); n++)
         name[n] = key[n].name;
@@ -113,7 +110,7 @@ static bool no_key(struct reader *r, const struct line *l, int input)
             scene_text_shown(l->key), l->key.at);
     return scene_lines_wrong(r, l->number, "%.*s: no such key in [%s] of %s%s", scene_text_shown(l->key),
                              l->key.at, scene_section_name[l->section], r->scene.model->name,
-                             options_advise(l->key.at, l->key.n, name, n, NULL, text, sizeof text));
+                             options_advise(l->key.at, l->key.n, name, n, NULL));
 }
 
 /* The input of a drive, the input or output of a stage; -1: there is none of this name. */
@@ -132,7 +129,6 @@ static bool no_signal(struct reader *r, const struct line *l)
 {
     const struct model *m = r->scene.model;
     const char *name[MODEL_INPUTS + MODEL_OUTPUTS];
-    char text[OPTIONS_ADVICE];
     int n = 0;
     for (int i = 0; i < m->n_inputs; i++)
         name[n++] = m->input_signal[i].name;
@@ -141,7 +137,7 @@ static bool no_signal(struct reader *r, const struct line *l)
     return scene_lines_wrong(r, l->number, "[%s %.*s]: %s has no such %s%s", scene_section_name[l->section],
                              scene_text_shown(l->input), l->input.at, m->name,
                              l->section == SECTION_STAGE ? "signal" : "input",
-                             options_advise(l->input.at, l->input.n, name, n, NULL, text, sizeof text));
+                             options_advise(l->input.at, l->input.n, name, n, NULL));
 }
 
 /* The line of a section, but for its keys. */
@@ -163,7 +159,6 @@ static bool set_preset(struct reader *r, struct line *l, int signal)
 {
     const struct model *m = r->scene.model;
     const char *name[SCENE_STAGE_PRESETS], *unit;
-    char text[OPTIONS_ADVICE];
     unit =
         signal < MODEL_INPUTS ? m->input_signal[signal].unit : m->output_signal[signal - MODEL_INPUTS].unit;
     if (!(l > r->line && l[-1].header))
@@ -177,8 +172,7 @@ static bool set_preset(struct reader *r, struct line *l, int signal)
                ? true
                : scene_lines_wrong(r, l->number, "preset: no preset of a stage is called \"%.*s\"%s",
                                    scene_text_shown(l->value), l->value.at,
-                                   options_advise(l->value.at, l->value.n, name, SCENE_STAGE_PRESETS, NULL,
-                                                  text, sizeof text));
+                                   options_advise(l->value.at, l->value.n, name, SCENE_STAGE_PRESETS, NULL));
 }
 
 static bool set_line(struct reader *r, struct line *l)
@@ -235,7 +229,6 @@ static bool is_preset(struct word w)
 static bool find_model(struct reader *r)
 {
     const char *name[NAMES];
-    char text[OPTIONS_ADVICE];
     const struct line *found = NULL;
     bool paper = false;
     for (int i = 0; i < r->n; i++) {
@@ -254,9 +247,9 @@ static bool find_model(struct reader *r)
             "first lines name the model",
             scene_text_shown(found->value), found->value.at, scene_text_shown(found->value), found->value.at);
     if (i < 0)
-        return scene_lines_wrong(
-            r, found->number, "model: no model \"%.*s\"%s", scene_text_shown(found->value), found->value.at,
-            options_advise(found->value.at, found->value.n, name, n, NULL, text, sizeof text));
+        return scene_lines_wrong(r, found->number, "model: no model \"%.*s\"%s",
+                                 scene_text_shown(found->value), found->value.at,
+                                 options_advise(found->value.at, found->value.n, name, n, NULL));
     scene_default(&r->scene, i);
     r->scene.paper = paper;
     for (int k = 0; k < MODEL_PARAMETERS && paper; k++)

@@ -19,7 +19,6 @@ bool scene_lines_wrong(struct reader *r, int line, const char *format, ...)
 
 static bool read_header(struct reader *r, struct line *l, struct word w)
 {
-    char text[OPTIONS_ADVICE];
     if (w.at[w.n - 1] != ']')
         return scene_lines_wrong(
             r, l->number, "%.*s: %s; write [plant], [ask], ..", scene_text_shown(w), w.at,
@@ -30,9 +29,8 @@ static bool read_header(struct reader *r, struct line *l, struct word w)
         if (scene_text_is(name, scene_section_name[l->section]))
             break;
     if (l->section == SECTIONS)
-        return scene_lines_wrong(
-            r, l->number, "[%.*s]: no such section%s", scene_text_shown(name), name.at,
-            options_advise(name.at, name.n, scene_section_name, SECTIONS, NULL, text, sizeof text));
+        return scene_lines_wrong(r, l->number, "[%.*s]: no such section%s", scene_text_shown(name), name.at,
+                                 options_advise(name.at, name.n, scene_section_name, SECTIONS, NULL));
     bool named = l->section == SECTION_DRIVE || l->section == SECTION_STAGE;
     if (named != (l->input.n > 0))
         return scene_lines_wrong(r, l->number, "[%s]: %s", scene_section_name[l->section],

@@ -80,9 +80,8 @@ void scene_load_warn(const char *command, const struct model *m, const double *s
 void scene_load_tell_tolerance(const struct options *o, const struct model *m, const struct method *method)
 {
     if (options_given(o, "tol") && (m->modal_form || method->order > 0))
-        fprintf(
-            stderr,
-            "contactplant %s: method %s has no tolerance, so --tol does nothing; its error falls with the "
-            "step\n",
-            o->usage->name, m->modal_form ? "modal" : method->name);
+        fprintf(stderr,
+                "contactplant %s: method %s has no tolerance, so --tol does nothing; its error falls with "
+                "the step\n",
+                o->usage->name, m->modal_form ? "modal" : method->name);
 }

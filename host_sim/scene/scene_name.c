@@ -126,10 +126,9 @@ void scene_name_refuse(const char *kind, const char *name, char *why)
     const char *known[SCENE_MODELS + SCENES];
     for (int i = 0; i < SCENE_MODELS + SCENES; i++)
         known[i] = i < SCENE_MODELS ? scene_model(i)->name : scenes_table[i - SCENE_MODELS].name;
-    char advice[OPTIONS_ADVICE];
     snprintf(why, SCENE_REASON, "no such %s: \"%.*s\"%s", kind, NAME_SHOWN, name,
              options_advise(name, strlen(name), known, SCENE_MODELS + SCENES,
-                            "contactplant list shows models and scenes", advice, sizeof advice));
+                            "contactplant list shows models and scenes"));
 }
 
 int scene_method_names(const char **name)
@@ -142,8 +141,7 @@ int scene_method_names(const char **name)
 void scene_method_refuse(const char *method, char *why)
 {
     const char *name[METHODS];
-    char advice[OPTIONS_ADVICE];
     int n = scene_method_names(name);
     snprintf(why, SCENE_REASON, "no such method: \"%.*s\"%s", NAME_SHOWN, method,
-             options_advise(method, strlen(method), name, n, NULL, advice, sizeof advice));
+             options_advise(method, strlen(method), name, n, NULL));
 }

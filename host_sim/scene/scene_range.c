@@ -88,7 +88,7 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
     for (int i = 0; also && i < also->n; i++)
         names[count++] = also->name[i];
     return options_misuse(u, "%.*s: no such number in this scene%s", (int)n, name,
-                          options_advise(name, n, names, count, NULL, advice, sizeof advice));
+                          options_advise_in(advice, sizeof advice, name, n, names, count, NULL));
 }
 
 static struct range_rules rules_of(const struct scene_range *r)

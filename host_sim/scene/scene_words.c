@@ -94,7 +94,6 @@ bool scene_words_no_name(const struct model *m, struct word name, const char *co
 {
     static struct scene_key known[SETTING_FIRST + SETTINGS];
     const char *names[2 * (SETTING_FIRST + SETTINGS) + SCENE_WORDS_KEYS];
-    char advice[OPTIONS_ADVICE];
     int n = 0;
     for (; n < n_keys && n < SCENE_WORDS_KEYS; n++)
         names[n] = key[n];
@@ -105,10 +104,9 @@ bool scene_words_no_name(const struct model *m, struct word name, const char *co
         names[n++] = known[i].name;
         names[n++] = known[i].full;
     }
-    snprintf(
-        why, SCENE_REASON, "%.*s: no such %sparameter or setting of %s%s", scene_text_shown(name), name.at,
-        n_keys ? "key, " : "", m->name,
-        options_advise(name.at, name.n, names, n, "contactplant list shows them", advice, sizeof advice));
+    snprintf(why, SCENE_REASON, "%.*s: no such %sparameter or setting of %s%s", scene_text_shown(name),
+             name.at, n_keys ? "key, " : "", m->name,
+             options_advise(name.at, name.n, names, n, "contactplant list shows them"));
     return false;
 }
 
@@ -146,7 +144,6 @@ int scene_words_field(const struct model *m, int input, struct word name, struct
                       char *why)
 {
     const char *field[DRIVE_FIELDS];
-    char advice[OPTIONS_ADVICE];
     struct named n;
     for (int i = 0; i < DRIVE_FIELDS; i++) {
         (void)names_get(m, NAMES_ARM, (unsigned)i, &n);
@@ -159,6 +156,6 @@ int scene_words_field(const struct model *m, int input, struct word name, struct
         return number_or_bare(n.name, value, unit, min, largest(i), &x[i], why) ? i : -1;
     }
     snprintf(why, SCENE_REASON, "no field \"%.*s\"%s", scene_text_shown(name), name.at,
-             options_advise(name.at, name.n, field, DRIVE_FIELDS, NULL, advice, sizeof advice));
+             options_advise(name.at, name.n, field, DRIVE_FIELDS, NULL));
     return -1;
 }

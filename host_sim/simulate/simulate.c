@@ -21,7 +21,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double steps_max = 1e12;     /* between two rows */
 enum { HALVINGS = 60 };                   /* most halvings of a step in search of one that the method takes */

@@ -45,14 +45,13 @@ static bool is_paper(const struct simulation *r, const char *text)
 static int choose_units(struct simulation *r)
 {
     static const char *const known[] = {"model", "si"};
-    char advice[OPTIONS_ADVICE];
     const char *units = options_text(r->o, "units", 0);
     r->paper = r->scene.paper;
     if (!bare(r))
         return units ? simulate_misuse(r, "--units", "a scene has its own units; take the option away") : 0;
     if (units && strcmp(units, "model") && strcmp(units, "si"))
         return options_misuse(r->o->usage, "--units %s: no such units%s", units,
-                              options_advise(units, strlen(units), known, 2, NULL, advice, sizeof advice));
+                              options_advise(units, strlen(units), known, 2, NULL));
     r->paper = units && !strcmp(units, "model");
     for (int i = 0; !units && i < options_count(r->o, "set"); i++)
         r->paper = r->paper || is_paper(r, options_text(r->o, "set", i));
@@ -95,12 +94,10 @@ static bool read_list(const char *text, int n, double *x)
 static int no_input(const struct simulation *r, const char *text)
 {
     const char *name[MODEL_INPUTS];
-    char advice[OPTIONS_ADVICE];
     for (int i = 0; i < r->model->n_inputs; i++)
         name[i] = r->model->input_signal[i].name;
-    return options_misuse(
-        r->o->usage, "%s: no such input%s", text,
-        options_advise(text, strlen(text), name, r->model->n_inputs, NULL, advice, sizeof advice));
+    return options_misuse(r->o->usage, "%s: no such input%s", text,
+                          options_advise(text, strlen(text), name, r->model->n_inputs, NULL));
 }
 
 /* INPUT=A,B,C: 0, or the exit status after a line that says how `form` is written. */

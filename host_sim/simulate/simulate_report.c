@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SWITCHES_TOLD = 20 };
 
@@ -148,8 +147,7 @@ static void put_charts(struct simulation *r)
     if (p->rows.per > 1)
         html_words(&p->html,
                    "Bands reach from the least to the greatest row within %.6g: %zu rows, or a period of the "
-                   "fastest "
-                   "motion.",
+                   "fastest motion.",
                    fmax(apart * (double)p->rows.per, period), p->rows.per);
     else if (!joined)
         html_words(

@@ -218,9 +218,8 @@ static int no_case(const struct tests *t, const char *name)
     int n = t->test[0]->n_cases;
     for (int i = 0; i < n; i++)
         known[i] = t->test[0]->cases[i].name;
-    char advice[OPTIONS_ADVICE];
     return options_misuse(t->o->usage, "--case %s: no such case%s", name,
-                          options_advise(name, strlen(name), known, n, NULL, advice, sizeof advice));
+                          options_advise(name, strlen(name), known, n, NULL));
 }
 
 static int add_case(struct tests *t, const struct test_file *test, struct test_case *c)

@@ -36,7 +36,6 @@ static bool split_verb(struct word rest, struct word *time, struct word *verb, s
 static bool no_verb(struct test_reader *r, struct word rest)
 {
     const char *name[ACTION_VERBS];
-    char advice[OPTIONS_ADVICE];
     int n = action_names(verbs, name);
     struct word word = scene_text_take(&rest);
     while (rest.n && (word.n < 3 || !isalpha((unsigned char)word.at[0])))
@@ -45,8 +44,7 @@ static bool no_verb(struct test_reader *r, struct word rest)
         r, "at: no verb%s",
         options_advise(word.at, word.n, name, n,
                        "write at TIME arm INPUT .., fire INPUT, set NAME=VALUE, stream INPUT VALUE "
-                       "or faults LIST, for instance at 0.1 s set mass=5 kg",
-                       advice, sizeof advice));
+                       "or faults LIST, for instance at 0.1 s set mass=5 kg"));
 }
 
 bool test_read_at(struct test_reader *r, struct word rest)

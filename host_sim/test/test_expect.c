@@ -20,20 +20,17 @@ static bool is_signals(enum metric_kind k)
  * nearest of both. */
 static bool no_metric(struct test_reader *r, struct word name, const char **names, int n)
 {
-    char advice[OPTIONS_ADVICE];
     for (int k = 0; k < METRICS; k++)
         if (!is_signals((enum metric_kind)k))
             names[n++] = metric_table[k].name;
     return test_wrong(r, "expect: no metric \"%.*s\"%s", scene_text_shown(name), name.at,
-                      options_advise(name.at, name.n, names, n, "contactplant list metrics shows them",
-                                     advice, sizeof advice));
+                      options_advise(name.at, name.n, names, n, "contactplant list metrics shows them"));
 }
 
 /* SIGNAL or SIGNAL.STATISTIC; a bare signal is judged at every instant. */
 static bool read_signal(struct test_reader *r, struct test_expect *e, struct word name)
 {
     const char *dot = memchr(name.at, '.', name.n), *known[METRICS], *names[METRIC_SIGNALS + METRICS];
-    char text[OPTIONS_ADVICE];
     int n = 0;
     struct word signal = {name.at, dot ? (size_t)(dot - name.at) : name.n}, statistic = {dot, 0};
     const struct model *m = r->test->scene.model;
@@ -53,8 +50,7 @@ static bool read_signal(struct test_reader *r, struct test_expect *e, struct wor
     return e->what.kind < METRICS
                ? true
                : test_wrong(r, "expect: no statistic \"%.*s\" of a signal%s", scene_text_shown(statistic),
-                            statistic.at,
-                            options_advise(statistic.at, statistic.n, known, n, NULL, text, sizeof text));
+                            statistic.at, options_advise(statistic.at, statistic.n, known, n, NULL));
 }
 
 static bool read_metric(struct test_reader *r, struct test_expect *e, struct word name)

@@ -101,14 +101,12 @@ static bool take_command(struct test_reader *r, struct word value)
 static bool take_builtin(struct test_reader *r, struct word value)
 {
     static const char *const builtin[] = {"keep", "loops"};
-    char advice[OPTIONS_ADVICE];
     r->test->loops = scene_text_is(value, "loops");
     if (!r->test->loops && !scene_text_is(value, "keep"))
         return test_wrong(r, "builtin: no controller \"%.*s\"%s", scene_text_shown(value), value.at,
                           options_advise(value.at, value.n, builtin, 2,
                                          "there is keep, which is contactplant control without a drive, "
-                                         "and loops, those of a microscope",
-                                         advice, sizeof advice));
+                                         "and loops, those of a microscope"));
     snprintf(r->test->command, sizeof r->test->command, "%s",
              r->test->loops ? "loops" : "{contactplant} control {scene} {options} --force 0 --duration 1e6");
     return true;
@@ -280,7 +278,6 @@ static bool take_requirement(struct test_reader *r, struct word value)
 static bool take_like(struct test_reader *r, struct word value)
 {
     const char *name[TEST_CASES];
-    char text[OPTIONS_ADVICE];
     struct test_file *t = r->test;
     int n = t->n_cases - 1;
     value = scene_text_name(value);
@@ -300,7 +297,7 @@ static bool take_like(struct test_reader *r, struct word value)
     if (!n)
         return test_wrong(r, "like: there is no case before this one");
     return test_wrong(r, "like: no case \"%.*s\" before this one%s", scene_text_shown(value), value.at,
-                      options_advise(value.at, value.n, name, n, NULL, text, sizeof text));
+                      options_advise(value.at, value.n, name, n, NULL));
 }
 
 #define PLANT      (1u << TEST_IN_PLANT)
@@ -339,7 +336,6 @@ static bool no_key(struct test_reader *r, struct word name)
 bool test_read_key(struct test_reader *r, struct word w)
 {
     static const char *const controller_key[] = {"command", "builtin", "attach"};
-    char advice[OPTIONS_ADVICE];
     const char *equal = memchr(w.at, '=', w.n);
     if (r->section == TEST_IN_CONTROLLER && (*r->test->command || r->test->attached))
         return test_wrong(r, "[controller] has one line: command = .., builtin = .., or attach");
@@ -364,7 +360,7 @@ bool test_read_key(struct test_reader *r, struct word w)
     }
     if (r->section == TEST_IN_CONTROLLER)
         return test_wrong(r, "%.*s: no such key in [controller]%s", scene_text_shown(key), key.at,
-                          options_advise(key.at, key.n, controller_key, 3, NULL, advice, sizeof advice));
+                          options_advise(key.at, key.n, controller_key, 3, NULL));
     if (!r->test->scene.model)
         return test_wrong(r, "%.*s: scene = NAME, or microscope = NAME, stands first in [plant]",
                           scene_text_shown(key), key.at);

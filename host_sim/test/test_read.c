@@ -90,7 +90,6 @@ static bool begin_case(struct test_reader *r, struct word name)
 static bool take_header(struct test_reader *r, struct word w)
 {
     static const char *const names[] = {"plant", "controller", "case"};
-    char text[OPTIONS_ADVICE];
     if (w.at[w.n - 1] != ']')
         return test_wrong(r, "%.*s: a section stands alone in its line, as [plant] or [case NAME]",
                           scene_text_shown(w), w.at);
@@ -105,7 +104,7 @@ static bool take_header(struct test_reader *r, struct word w)
                                                 : 0;
     if (!i)
         return test_wrong(r, "[%.*s]: no such section%s", scene_text_shown(name), name.at,
-                          options_advise(name.at, name.n, names, 3, NULL, text, sizeof text));
+                          options_advise(name.at, name.n, names, 3, NULL));
     if (rest.n)
         return test_wrong(r, "[%s]: one word too many", names[i - 1]);
     if (r->now || (i == TEST_IN_PLANT && r->test->scene.model) ||

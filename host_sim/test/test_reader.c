@@ -105,10 +105,9 @@ int test_find_signal(struct test_reader *r, struct word name)
 {
     const struct model *m = r->test->scene.model;
     const char *names[METRIC_SIGNALS];
-    char text[OPTIONS_ADVICE];
     int i = test_list_signals(m, name, names);
     if (i < 0)
         test_wrong(r, "%.*s: no signal of %s%s", scene_text_shown(name), name.at, m->name,
-                   options_advise(name.at, name.n, names, metric_signals(m), NULL, text, sizeof text));
+                   options_advise(name.at, name.n, names, metric_signals(m), NULL));
     return i;
 }

@@ -211,57 +211,54 @@ static const struct {
 } rule[] = {
     {&hertz_rig, base_opens,
      "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: a fast base motion above 3/2 opens the "
-     "single-sided contact in every cycle (at 5 and 8 more than half of the time, resonance near 0.7, "
-     "not 0.95); their eq. 21 keeps only what is linear in the base"},
+     "single-sided contact in every cycle (at 5 and 8 more than half of the time, resonance near 0.7, not "
+     "0.95); their eq. 21 keeps only what is linear in the base"},
     {&hertz_rig, force_opens,
-     "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: the fast force moves the mass by more "
-     "than half of the way to contact loss; at 60, 8 the contact is lost 5.8 % of the time"},
+     "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: the fast force moves the mass by more than "
+     "half of the way to contact loss; at 60, 8 the contact is lost 5.8 % of the time"},
     {&hertz_rig, stiffness_negative,
-     "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: a stiffness amplitude above 1 "
-     "makes the contact's stiffness negative in part of each cycle (over 40 % at 4 and 5), though the motion "
-     "stays stable"},
+     "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: a stiffness amplitude above 1 makes the "
+     "contact's stiffness negative in part of each cycle (over 40 % at 4 and 5), though the motion stays "
+     "stable"},
     {&hertz_rig, averaged_not_fast,
-     "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: averaging needs a fast frequency "
-     "of at least 3 times every slow one"},
+     "Bichri, Belhaq & Perret-Liaudet 2011 leave their range: averaging needs a fast frequency of at least 3 "
+     "times every slow one"},
     {&afm_tip, tip_not_fast,
-     "Kirrou & Belhaq 2013 leave their range: this modulation is below 3 times the slow frequency; at "
-     "beta 0.8, Omega 1 the linear part is unstable from r = 0.12 on (tongue at 2 sqrt(1 - beta)) "
-     "and the tip escapes from rest at r = 0.2 to 0.5"},
+     "Kirrou & Belhaq 2013 leave their range: this modulation is below 3 times the slow frequency; at beta "
+     "0.8, Omega 1 the linear part is unstable from r = 0.12 on (tongue at 2 sqrt(1 - beta)) and the tip "
+     "escapes from rest at r = 0.2 to 0.5"},
     {&afm_tip, tip_contact_lost,
-     "Kirrou & Belhaq 2013 leave their range: r above 1 makes the contact's stiffness negative in "
-     "part of each cycle"},
+     "Kirrou & Belhaq 2013 leave their range: r above 1 makes the contact's stiffness negative in part of "
+     "each cycle"},
     {&afm_tip, tip_critical,
-     "Kirrou & Belhaq 2013: the critical r 0.665 and 0.770 are exact for this averaged "
-     "equation only; the peak's frequency rises with r, "
-     "and the \"change of shift direction\" is its detuning from w1(r)"},
+     "Kirrou & Belhaq 2013: the critical r 0.665 and 0.770 are exact for this averaged equation only; the "
+     "peak's frequency rises with r, and the \"change of shift direction\" is its detuning from w1(r)"},
     {&afm_tip, tip_no_indentation,
      "Kirrou & Belhaq 2013 leave their range in section 3.3: an indentation below 1 pm (theirs is 0.26 pm) "
-     "is far below an atom, and "
-     "beta from 1 on (29.7 there) has no stable rest with the published sign, only with repulsion"},
+     "is far below an atom, and beta from 1 on (29.7 there) has no stable rest with the published sign, only "
+     "with repulsion"},
     {&rolling_contact, no_jumps,
      "Nayak 1972 leaves his range: \"no jumps for zeta above 0.105\" is a value of one-term harmonic "
      "balance; exactly, folds persist to larger damping"},
     {&rolling_contact, upward_jump,
-     "Nayak 1972 leaves his range: the upward jump at 0.66 to 0.67 is a value of one-term harmonic "
-     "balance; for waviness 0.9 it is at 0.696"},
+     "Nayak 1972 leaves his range: the upward jump at 0.66 to 0.67 is a value of one-term harmonic balance; "
+     "for waviness 0.9 it is at 0.696"},
     {&rolling_contact, in_antiphase,
-     "Nayak 1972 errs in conclusion (vi): at low frequency compression and waviness are in "
-     "antiphase"},
+     "Nayak 1972 errs in conclusion (vi): at low frequency compression and waviness are in antiphase"},
     {&shaft_bearing, chaotic,
-     "the shaft-bearing paper's hard gap springs under a force beyond the gap: chaotic; compare "
-     "statistics, never trajectories"},
+     "the shaft-bearing paper's hard gap springs under a force beyond the gap: chaotic; compare statistics, "
+     "never trajectories"},
     {&shaft_bearing, second_mode,
-     "the shaft-bearing paper errs: with soft gap springs the second closed-gap mode is at 41.3 Hz, "
-     "not 36 Hz"},
+     "the shaft-bearing paper errs: with soft gap springs the second closed-gap mode is at 41.3 Hz, not 36 "
+     "Hz"},
     {&shaft_bearing, linear_impacts,
-     "the shaft-bearing paper's force exceeds the gap statically: below 36.27 Hz the shaft impacts, "
-     "which this linear model does not see"},
+     "the shaft-bearing paper's force exceeds the gap statically: below 36.27 Hz the shaft impacts, which "
+     "this linear model does not see"},
     {&shaft_bearing, bending,
      "the shaft-bearing paper errs in Table 2: the closed-gap bending mode is at 1187.8 Hz, not 1,180 Hz"},
     {&shaft_bearing, superharmonic,
-     "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives "
-     "superharmonics near 18, 8 and 6 Hz, which "
-     "this model of one mode does not see"},
+     "the shaft-bearing paper leaves its linear theory: beside contact the second mode drives superharmonics "
+     "near 18, 8 and 6 Hz, which this model of one mode does not see"},
 };
 
 enum { RULES = sizeof rule / sizeof rule[0] };

@@ -3,7 +3,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include "models/hertz_rig.h"
 #include "tests/fixture/free_motion.h"
 #include "tests/fixture/paper.h"
@@ -33,9 +32,8 @@ static void tick(struct plant *pl)
         check_true("the rig stays finite", 0);
 }
 
-/* The instant of the top in the last tick, for a plant that has just passed it with contact kept. It
- * solves rate = 0 by Newton's method, with the series of the rate around the state from the equation of
- * motion. */
+/* The instant of the top in the last tick, for a plant that has just passed it with contact kept. It solves
+ * rate = 0 by Newton's method, with the series of the rate around the state from the equation of motion. */
 static double time_of_top(const struct plant *pl)
 {
     double eta = pl->x[0], v = pl->x[1], root = sqrt(eta), s = 0.0;

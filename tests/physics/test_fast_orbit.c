@@ -4,7 +4,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include "models/afm_tip.h"
 #include "tests/fixture/paper.h"
 #include "tests/fixture/afm/pressed.h"

@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stddef.h>
-#include <stdio.h>
 #include "firmware/plant/drive.h"
 #include "tests/fixture/exact.h"
 #include "tests/fixture/mathieu.h"

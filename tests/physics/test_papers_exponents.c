@@ -5,7 +5,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "tests/papers/attractor.h"
 

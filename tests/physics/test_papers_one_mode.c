@@ -3,8 +3,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 #include "tests/papers/motion.h"
 #include "tests/papers/one_mode.h"
 #include "tests/papers/survival.h"

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include "models/reduced/afm_tip_reduced.h"
 #include "tests/fixture/paper.h"
 #include "tests/papers/branch_read.h"

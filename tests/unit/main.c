@@ -2,7 +2,6 @@
 #include "tests/unit/test.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>

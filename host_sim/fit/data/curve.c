@@ -9,7 +9,7 @@
 #include "host_sim/fit/data/curve_columns.h"
 #include "models/math/elementary.h"
 
-enum { ADVICE = 256, ROOM = 64 };
+enum { ROOM = 64 };
 
 /* ---- lines `# key = value` ---- */
 
@@ -25,11 +25,10 @@ static int refuse_name(const struct table *t, const char *what, const char *valu
                        int n)
 {
     const char *name[MODEL_OUTPUTS + 1];
-    char advice[ADVICE];
     for (int i = 0; i < n; i++)
         name[i] = s[i].name;
     return table_wrong(t, -1, "%s \"%.40s\" is not in this model%s", what, value,
-                       options_advise(value, strlen(value), name, n, NULL, advice, sizeof advice));
+                       options_advise(value, strlen(value), name, n, NULL));
 }
 
 static int take_output(struct table *t, struct curve *c, const struct model *m, const char *value)
@@ -60,7 +59,6 @@ static int take_key(struct table *t, void *context, const char *key, const char 
     static const char *const names[] = {"amplitude", "input", "output", "direction", "noise"};
     struct curve_file *f = context;
     const struct model *m = f->scene->model;
-    char advice[ADVICE];
     if (!strcmp(key, "amplitude")) {
         snprintf(f->amplitude, sizeof f->amplitude, "%s", value);
         f->amplitude_line = t->line;
@@ -76,8 +74,7 @@ static int take_key(struct table *t, void *context, const char *key, const char 
         return take_direction(t, f, value);
     if (!strcmp(key, "noise"))
         return take_number(t, key, value, "", &f->curve.noise);
-    return table_wrong(t, -1, "no key \"%.40s\"%s", key,
-                       options_advise(key, strlen(key), names, 5, NULL, advice, sizeof advice));
+    return table_wrong(t, -1, "no key \"%.40s\"%s", key, options_advise(key, strlen(key), names, 5, NULL));
 }
 
 /* The amplitude, now that the input is known. Rows of a sweep have the scene's where none is given. */

@@ -7,7 +7,7 @@
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/unit.h"
 
-enum { ADVICE = 256, LEAST = 16, TURNS_LEAST = 3 };
+enum { LEAST = 16, TURNS_LEAST = 3 };
 static const double uneven = 1e-3; /* share of a step: times that differ by more are not equal */
 
 /* Columns and factors to SI. */
@@ -24,14 +24,13 @@ static int find_signal(const struct table *t, const char *what, const struct sig
                        const char *name, int *found)
 {
     const char *names[MODEL_OUTPUTS];
-    char advice[ADVICE];
     for (*found = 0; *found < n; ++*found) {
         names[*found] = s[*found].name;
         if (!strcmp(s[*found].name, name))
             return 0;
     }
     return table_wrong(t, -1, "%s \"%.40s\" is not in this model%s", what, name,
-                       options_advise(name, strlen(name), names, n, NULL, advice, sizeof advice));
+                       options_advise(name, strlen(name), names, n, NULL));
 }
 
 static int take_key(struct table *t, void *context, const char *key, const char *value)
@@ -39,14 +38,13 @@ static int take_key(struct table *t, void *context, const char *key, const char 
     static const char *const names[] = {"output", "input", "noise"};
     struct file *f = context;
     const struct model *m = f->scene->model;
-    char advice[ADVICE];
     if (!strcmp(key, "output"))
         return find_signal(t, "output", m->output_signal, m->n_outputs, value, &f->record.output);
     if (!strcmp(key, "input"))
         return find_signal(t, "input", m->input_signal, m->n_inputs, value, &f->record.input);
     if (strcmp(key, "noise"))
         return table_wrong(t, -1, "no key \"%.40s\"%s", key,
-                           options_advise(key, strlen(key), names, 3, NULL, advice, sizeof advice));
+                           options_advise(key, strlen(key), names, 3, NULL));
     snprintf(f->noise, sizeof f->noise, "%s", value);
     f->noise_line = t->line;
     return 0;

@@ -7,7 +7,6 @@
 #include "host_sim/maps/basin/basin_rows.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static const struct option basin_options[] = {
     {"starts", "N", "number of starts (1000)", OPTION_INTEGER, 1, BASIN_STARTS_MAX, .initial = "1000",
@@ -15,8 +14,7 @@ static const struct option basin_options[] = {
     {"seed", "S", "seed of the starts' places (1)", OPTION_INTEGER, 0, 4294967295.0, .initial = "1",
      .identity = IDENTITY_INSIDE},
     {"box", "NAME=FROM:TO",
-     "where a state starts (4 gaps or static compressions around rest, and the speeds of that "
-     "energy); "
+     "where a state starts (4 gaps or static compressions around rest, and the speeds of that energy); "
      "repeatable",
      OPTION_TEXT, .many = true, .identity = IDENTITY_INSIDE},
     {"periods", "N", "forcing periods that a motion may take to settle (20000)", OPTION_INTEGER, 1, 100000000,
@@ -24,8 +22,7 @@ static const struct option basin_options[] = {
     {"method", "NAME",
      "integration method, or batch_taylor, the power series of many starts side by side (the scene's; auto: "
      "batch_taylor for one Hertzian contact under at most two frequencies of force and one of stiffness, "
-     "else "
-     "exact or taylor)",
+     "else exact or taylor)",
      OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"steps", "N", "steps in a forcing period (the fewest, by doubling from 8, that the method takes)",
      OPTION_INTEGER, 1, 1000000, .initial = NULL, .identity = IDENTITY_INSIDE},

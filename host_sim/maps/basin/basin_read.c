@@ -6,10 +6,8 @@
 #include "firmware/plant/drive.h"
 #include "host_sim/batch/batch_taylor.h"
 #include "host_sim/maps/basin/basin_rows.h"
-#include "models/models.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double around = 4.0; /* default box: this many units of the contact around rest */
@@ -63,10 +61,9 @@ static const char *try_steps(struct basin_plant *q, const struct method *wanted,
 static int no_method(const struct basin *b, const char *method)
 {
     const char *name[METHODS + 1] = {series};
-    char advice[OPTIONS_ADVICE];
     int n = 1 + scene_method_names(name + 1);
     return options_misuse(b->m.o.usage, "--method %s: no such method%s", method,
-                          options_advise(method, strlen(method), name, n, NULL, advice, sizeof advice));
+                          options_advise(method, strlen(method), name, n, NULL));
 }
 
 static int read_method(struct basin *b)
@@ -131,9 +128,8 @@ static int find_state(const struct basin *b, const char *text, int *which)
         if (!strcmp(names[*which], name))
             return 0;
     }
-    char advice[OPTIONS_ADVICE];
     return options_misuse(b->m.o.usage, "--box %s: %s has no such state%s", text, b->m.name,
-                          options_advise(name, strlen(name), names, n, NULL, advice, sizeof advice));
+                          options_advise(name, strlen(name), names, n, NULL));
 }
 
 /* The place of state `which`, given as the scene writes it, in model units. Each state alone decides its own

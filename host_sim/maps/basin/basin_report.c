@@ -3,8 +3,6 @@
 #include "host_sim/maps/basin/basin_figure.h"
 #include "host_sim/maps/basin/basin_rows.h"
 
-#include <string.h>
-
 struct report {
     const struct basin *b;
     const char *path; /* the rows are there */

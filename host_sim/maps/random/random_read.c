@@ -32,9 +32,8 @@ static int read_observable(struct random_runs *r)
             return 0;
         }
     }
-    char advice[OPTIONS_ADVICE];
     return misuse(r, "--observable %s: no such output%s", name,
-                  options_advise(name, strlen(name), names, m->n_outputs, NULL, advice, sizeof advice));
+                  options_advise(name, strlen(name), names, m->n_outputs, NULL));
 }
 
 static int check_noise(const struct random_runs *r)

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include "host_sim/commands.h"
 #include "host_sim/maps/stability/stability_cell.h"
 #include "host_sim/maps/stability/stability_figure.h"
@@ -17,8 +16,7 @@ static const struct option stability_options[] = {
      .initial = "floquet", .identity = IDENTITY_INSIDE},
     {"x", "NAME=FROM:TO:N",
      "the number across; :log behind it for equal ratios (the modulation's frequency from 0.25 to 2.5 times "
-     "the "
-     "contact's, 200; or the step)",
+     "the contact's, 200; or the step)",
      OPTION_TEXT, .initial = NULL, .identity = IDENTITY_INSIDE},
     {"y", "NAME=FROM:TO:N",
      "the number upwards (the modulation from 0 to all of the stiffness, 100; or the stiffness)", OPTION_TEXT,
@@ -33,18 +31,16 @@ static const struct option stability_options[] = {
 const struct usage stability_usage = {
     .name = "stability",
     .words = "[SCENE]",
-    .summary =
-        "Maps over two numbers of a scene. floquet: where a modulated stiffness makes the contact's rest "
-        "unstable,\nin the plant and in the method with its step, and where the two differ. contact: where "
-        "the method makes\nor loses energy, and misses contact switches. NAME is a key of the scene "
-        "(damping, force.frequency,\nomega) or step.",
+    .summary = "Maps over two numbers of a scene. floquet: where a modulated stiffness makes the contact's "
+               "rest unstable,\nin the plant and in the method with its step, and where the two differ. "
+               "contact: where the method makes\nor loses energy, and misses contact switches. NAME is a key "
+               "of the scene (damping, force.frequency,\nomega) or step.",
     .words_help = SCENE_WORDS_HELP,
-    .examples =
-        "  contactplant stability hertz_rig --method rk4 --step \"0.7 ms\" --out tongues.csv --svg "
-        "tongues.svg\n"
-        "  contactplant stability kb-fig16-cubic --x Omega=0.5:3:200 --y r=0:1:100 --out tip.csv\n"
-        "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out steps.csv "
-        "--svg steps.svg\n",
+    .examples = "  contactplant stability hertz_rig --method rk4 --step \"0.7 ms\" --out tongues.csv --svg "
+                "tongues.svg\n"
+                "  contactplant stability kb-fig16-cubic --x Omega=0.5:3:200 --y r=0:1:100 --out tip.csv\n"
+                "  contactplant stability rig --map contact --method rk4 --set force.amplitude=60 --out "
+                "steps.csv --svg steps.svg\n",
     .max_words = 1,
     .table = {stability_options, maps_options, maps_outputs, jobs_options},
 };

@@ -214,11 +214,9 @@ int stability_read(struct stability *s)
 {
     const char *map = options_text(&s->m.o, "map", 0);
     static const char *const kind[] = {"floquet", "contact"};
-    char advice[OPTIONS_ADVICE];
     s->map = strcmp(map, "contact") ? STABILITY_FLOQUET : STABILITY_CONTACT;
     if (s->map == STABILITY_FLOQUET && strcmp(map, "floquet"))
-        return misuse(s, "--map %s: no such map%s", map,
-                      options_advise(map, strlen(map), kind, 2, NULL, advice, sizeof advice));
+        return misuse(s, "--map %s: no such map%s", map, options_advise(map, strlen(map), kind, 2, NULL));
     if (s->map == STABILITY_FLOQUET && options_given(&s->m.o, "periods"))
         return misuse(s, "--periods is for --map contact; take it away");
     s->periods = (int)options_number(&s->m.o, "periods");

@@ -3,7 +3,6 @@
 #include "host_sim/maps/stability/stability_tell.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { TONGUES_TOLD = 8 };
 

@@ -163,11 +163,10 @@ static bool follow_others(struct chain *c, const struct sweep_result *now)
 
 static void tell_chance(const struct chain *c, const struct step_jump *j)
 {
-    fprintf(
-        stderr,
-        "contactplant sweep: by chance: the jump between %s = %.9g and %.9g; %d other motion%s can be met "
-        "there\n",
-        c->s->range.column, j->from.value, j->to.value, c->n_others, c->n_others > 1 ? "s" : "");
+    fprintf(stderr,
+            "contactplant sweep: by chance: the jump between %s = %.9g and %.9g; %d other motion%s can be "
+            "met there\n",
+            c->s->range.column, j->from.value, j->to.value, c->n_others, c->n_others > 1 ? "s" : "");
 }
 
 /* The jumps of the step just taken, as rows, and what else they lead to. */

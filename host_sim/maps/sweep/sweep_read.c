@@ -2,7 +2,6 @@
 #include "host_sim/maps/sweep/sweep_read.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "firmware/observe/lockin.h"

@@ -4,7 +4,6 @@
 #include "host_sim/maps/sweep/sweep_chain.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { JUMPS_TOLD = 12 };
 
@@ -106,11 +105,10 @@ void sweep_tell(void *context, const struct rows_table *t, FILE *f)
     if (jumps > JUMPS_TOLD)
         fprintf(f, "  and %d more, in the rows jump_from and jump_to\n", jumps - JUMPS_TOLD);
     if (unsettled)
-        fprintf(
-            f,
-            "%d %s did not settle: give more --settle, or the motion is chaotic or beats; see contactplant "
-            "basin and random\n",
-            unsettled, unsettled == 1 ? "point" : "points");
+        fprintf(f,
+                "%d %s did not settle: give more --settle, or the motion is chaotic or beats; see "
+                "contactplant basin and random\n",
+                unsettled, unsettled == 1 ? "point" : "points");
     if (escaped)
         fprintf(f, "the motion escaped at %d points\n", escaped);
 }

@@ -110,7 +110,6 @@ static bool knows(const struct requirements *l, const struct test_file *t, const
                   char why[REQUIREMENTS_REASON])
 {
     static const char *known[REQUIREMENTS_MAX];
-    char advice[OPTIONS_ADVICE];
     for (int i = 0; i < c->n_requirements; i++) {
         const char *id = c->requirement[i];
         if (find(l, id) >= 0)
@@ -119,7 +118,7 @@ static bool knows(const struct requirements *l, const struct test_file *t, const
             known[k] = l->entry[k].id;
         snprintf(why, REQUIREMENTS_REASON, "%.120s:%d: requirement: %s is not in %.120s%s", t->file,
                  c->requirement_line, id, l->path,
-                 options_advise(id, strlen(id), known, l->n, "see its first column", advice, sizeof advice));
+                 options_advise(id, strlen(id), known, l->n, "see its first column"));
         return false;
     }
     return true;

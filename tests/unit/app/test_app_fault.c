@@ -2,7 +2,6 @@
  * overflows, a method that loses energy, switches without end. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include "firmware/bus/wire_table.h"
 #include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"

@@ -1,6 +1,5 @@
 /* test_app_flood.c - floods from a queue in memory: STOP and heartbeats get through, all else is dropped and
  * counted, and nothing from before a STOP acts after it. */
-#include <stdlib.h>
 #include <string.h>
 #include "tests/fixture/bus.h"
 #include "tests/fixture/silent_bus.h"

@@ -1,7 +1,6 @@
 /* test_app_noise.c - noise over the bus: what docs/reference/messages.md
  * says of ARM, FIRE, stop, time-out and reset. */
 #include <math.h>
-#include <string.h>
 #include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"

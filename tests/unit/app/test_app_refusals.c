@@ -4,7 +4,6 @@
 #include "firmware/app/session.h"
 #include "firmware/stage/stages.h"
 #include "models/afm_tip.h"
-#include "models/reduced/hertz_rig_reduced.h"
 #include "models/reduced/shaft_mode.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/bus.h"

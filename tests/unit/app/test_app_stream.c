@@ -1,7 +1,6 @@
 /* test_app_stream.c - sampled commands: each names the plant frame at whose start it takes effect. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 

@@ -12,7 +12,6 @@
 #include "host_sim/choose/choose_truth.h"
 #include "host_sim/choose/choose_watch.h"
 #include "models/afm_tip.h"
-#include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/shaft_bearing.h"

@@ -5,7 +5,6 @@
 #include "host_sim/choose/choose_climb.h"
 #include "host_sim/choose/choose_ladder.h"
 #include "host_sim/choose/choose_search.h"
-#include "host_sim/choose/choose_steps.h"
 #include "host_sim/choose/choose_watch.h"
 #include "models/afm_lever.h"
 #include "models/hertz_rig.h"

@@ -1,6 +1,5 @@
 /* test_faults.c - each fault of hal/link/faults.h alone, against what it says it does. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "firmware/bus/wire.h"
 #include "hal/link/faults.h"
@@ -348,10 +347,9 @@ TEST(faults_list)
     (void)fault_list_read(&faults, "drop=0.1,dely=1:2", 1e-3, why);
     check_string("the nearest name is told", why, "\"dely=1:2\": no such fault; did you mean delay?");
     faults_init(&faults, &wires.port[NEAR].hal, 1);
-    check_true("sixteen faults",
-               fault_list_read(&faults,
-                               "drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,"
-                               "drop=0,drop=0,drop=0,drop=0,drop=0",
-                               1e-3, why));
+    check_true("sixteen faults", fault_list_read(&faults,
+                                                 "drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,"
+                                                 "drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0,drop=0",
+                                                 1e-3, why));
     check_true("are all there can be", !fault_list_read(&faults, "drop=0", 1e-3, why));
 }

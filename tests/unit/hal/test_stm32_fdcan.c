@@ -3,7 +3,6 @@
  * They are its registers and its message RAM bit by bit, the handshake of its modes, CAN FD, protocol
  * exceptions, bits that are stuck, and bus-off in the middle. The contract that all drivers share is in
  * test_can.c. */
-#include <string.h>
 #include "tests/device/fdcan_model.h"
 #include "tests/unit/test.h"
 

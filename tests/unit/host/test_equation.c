@@ -1,7 +1,6 @@
 /* test_equation.c - the cosine that the benchmark's peers are given, against long double libm. */
 #include "tests/unit/test.h"
 
-#include <math.h>
 #include "tests/bench/equation.h"
 
 /* The largest error over n + 1 arguments from a to b. */

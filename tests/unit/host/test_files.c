@@ -2,12 +2,10 @@
  * written. */
 #include "host_sim/cli/files.h"
 #include "host_sim/cli/options.h"
-#include "host_sim/commands.h"
 #include "tests/unit/test.h"
 
 #include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,6 +1,5 @@
 /* test_identity.c - the identity on the bus: its numbers by another CRC-32, when it is sent, and what
  * changes it. Also how a client treats a plant with another identity. */
-#include <math.h>
 #include <string.h>
 #include "firmware/bus/identity.h"
 #include "hal/link/faults.h"

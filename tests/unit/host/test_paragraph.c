@@ -1,6 +1,5 @@
 /* test_paragraph.c - sentences for a terminal: where lines end, and what is kept. */
 #include <stdio.h>
-#include <string.h>
 #include "host_sim/cli/paragraph.h"
 #include "tests/unit/test.h"
 
@@ -21,8 +20,7 @@ static const char *print_paragraph(int indent, const char *head, const char *tex
 TEST(paragraph)
 {
     static const char ten[] =
-        "aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa "
-        "aaaaaaaaa";
+        "aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa aaaaaaaaa";
     char text[256], expected[256];
     check_string("a short one", print_paragraph(6, "HEAD", "it does"), "HEAD  it does\n");
     snprintf(expected, sizeof expected, "%s\n", ten);

@@ -2,7 +2,6 @@
 #include "host_sim/scene/range.h"
 #include "tests/unit/test.h"
 
-#include <math.h>
 #include <stdio.h>
 
 static const struct range_rules plain = {

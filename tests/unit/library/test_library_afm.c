@@ -2,7 +2,6 @@
 #include "host_sim/library/contactplant.h"
 
 #include <math.h>
-#include <string.h>
 #include "firmware/afm/codes.h"
 #include "tests/unit/test.h"
 

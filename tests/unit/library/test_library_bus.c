@@ -2,7 +2,6 @@
  * with the same bits. */
 #include "host_sim/library/contactplant.h"
 
-#include <math.h>
 #include <string.h>
 #include "firmware/method/method.h"
 #include "models/afm_lever.h"

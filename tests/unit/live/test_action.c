@@ -4,7 +4,6 @@
 #include "models/hertz_rig.h"
 #include "tests/unit/test.h"
 
-#include <math.h>
 #include <string.h>
 
 static struct word word_of(const char *text)

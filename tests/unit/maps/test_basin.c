@@ -8,7 +8,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { N_STARTS = 200 };
 

@@ -14,7 +14,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { PLANT_STARTS = 11 /* more than lanes of a vector, and no multiple of them */ };

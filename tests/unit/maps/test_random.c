@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include "host_sim/commands.h"
 #include "host_sim/maps/random/random.h"
 #include "host_sim/maps/random/random_law.h"

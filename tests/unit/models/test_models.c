@@ -3,7 +3,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"

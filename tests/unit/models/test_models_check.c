@@ -183,9 +183,8 @@ TEST(models_tip_si)
     check_near("unit of force k Delta, N", s.force_N, 0.404 * 0.26e-12, 1e-27);
 }
 
-/* The saddle behind which the published sign escapes is an equilibrium. A little before it the tip
- * returns. A little behind it the tip runs away until the plant refuses to go on, with the last state
- * finite. */
+/* The saddle behind which the published sign escapes is an equilibrium. A little before it the tip returns. A
+ * little behind it the tip runs away until the plant refuses to go on, with the last state finite. */
 TEST(models_tip_saddle)
 {
     double a[TIP_PAPER], n = 2.0 / 3.0 * 0.8;

@@ -2,12 +2,10 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/reduced/hertz_rig_reduced.h"
-#include "models/models.h"
 #include "models/rolling_contact.h"
 #include "models/shaft_bearing.h"
 #include "firmware/plant/plant.h"

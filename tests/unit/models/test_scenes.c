@@ -2,8 +2,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "firmware/app/plant_scene.h"
 #include "firmware/plant/plant_change.h"

@@ -1,7 +1,6 @@
 /* test_capture.c - the burst capture against a list of everything that was offered; timing histograms. */
 #include "tests/unit/test.h"
 
-#include <stdio.h>
 #include <string.h>
 #include "firmware/observe/capture.h"
 #include "firmware/observe/timing.h"

@@ -3,7 +3,6 @@
 
 #include <complex.h>
 #include <math.h>
-#include <stdio.h>
 #include "firmware/observe/lockin.h"
 
 static const double TWO_PI = 6.283185307179586;

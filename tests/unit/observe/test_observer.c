@@ -1,6 +1,5 @@
 /* test_observer.c - who observes sees each tick once,
  * at its end and with its switches, and changes no bit. */
-#include <string.h>
 #include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"

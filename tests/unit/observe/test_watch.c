@@ -9,7 +9,6 @@
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
 #include "models/reduced/afm_tip_reduced.h"
-#include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/models.h"
 #include "models/reduced/shaft_mode.h"

@@ -7,9 +7,7 @@
 #include "firmware/app/plant_scene.h"
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
-#include "models/math/elementary.h"
 #include "models/reduced/hertz_rig_reduced.h"
-#include "models/models.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 

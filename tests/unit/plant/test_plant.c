@@ -2,7 +2,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
 #include "models/hertz_rig.h"

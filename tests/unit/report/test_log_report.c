@@ -109,10 +109,9 @@ TEST(trouble_in_words)
     count[DIAG_LATE] = 3;
     count[DIAG_SESSION] = 9;
     check_true("something", trouble_list(count, FAULT_TIMEOUT | FAULT_BUDGET, text));
-    check_string(
-        "all of it", text,
-        "1 overrun, 355 frames missed, 1 time-out of the controller, 12 refused (3 late, 9 session), "
-        "faults: budget, timeout");
+    check_string("all of it", text,
+                 "1 overrun, 355 frames missed, 1 time-out of the controller, 12 refused (3 late, 9 "
+                 "session), faults: budget, timeout");
 }
 
 TEST(log_tally_between_health)

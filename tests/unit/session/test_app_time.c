@@ -1,6 +1,5 @@
 /* test_app_time.c - plant time under command: steps, run
  * until, pause, snapshot, overruns; two plants on one bus. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "firmware/plant/plant_report.h"

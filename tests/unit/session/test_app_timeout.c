@@ -1,7 +1,5 @@
 /* test_app_timeout.c - heartbeats stop: what each reaction does to drives, state and plant time, in which
  * frame, and how a new session takes over. */
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "firmware/plant/plant_report.h"
 #include "tests/fixture/bus.h"

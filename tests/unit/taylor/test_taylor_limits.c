@@ -2,8 +2,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 #include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"

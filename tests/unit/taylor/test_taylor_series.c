@@ -3,7 +3,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include "firmware/method/taylor/taylor_load.h"
 #include "firmware/method/taylor/taylor_regular.h"

@@ -3,8 +3,6 @@
 #include "tests/unit/test.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 #include "firmware/method/taylor/taylor_piece.h"
 #include "models/hertz_rig.h"
 #include "models/reduced/hertz_rig_reduced.h"
