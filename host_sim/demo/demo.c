@@ -1,7 +1,6 @@
 /* demo.c - ten seconds that show what the plant does: plant and controller as two processes on the loopback
  * interface, a record of all traffic, a table, a picture and a paragraph. */
 #include "host_sim/afm/afm_demo.h"
-#include "host_sim/demo/demo_html.h"
 #include "host_sim/demo/demo_picture.h"
 #include "host_sim/demo/demo_report.h"
 #include "host_sim/cli/clock.h"

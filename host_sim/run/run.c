@@ -10,8 +10,6 @@
 #include "host_sim/live/lockstep.h"
 #include "host_sim/run/run_outcome.h"
 #include "host_sim/plants/plants.h"
-#include "host_sim/run/neighbours.h"
-#include "host_sim/run/run_report.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/options.h"
@@ -197,6 +195,22 @@ static void print_news(struct run *s)
         fprintf(stderr, "contactplant run: %s\n", news);
 }
 
+/* Whether this plant has heard frames under its identifiers that are none of its commands: a wrong length or
+ * CHECKSUM, or an identifier that only a plant sends. Then one line on stderr tells what they were. */
+static bool warn_of_neighbours(const struct app *a)
+{
+    const uint32_t *n = a->count, base = a->scene.base_id;
+    if (!(n[DIAG_CRC] | n[DIAG_LENGTH] | n[DIAG_UNKNOWN_ID]))
+        return false;
+    fprintf(stderr,
+            "contactplant run: others use identifiers of this plant, 0x%X to 0x%X: %u frames that only a "
+            "plant sends, %u with a wrong length, %u with a wrong CHECKSUM; choose --base-id "
+            "(docs/guide/neighbours.md)\n",
+            (unsigned)base, (unsigned)(base + WIRE_KINDS - 1), (unsigned)n[DIAG_UNKNOWN_ID],
+            (unsigned)n[DIAG_LENGTH], (unsigned)n[DIAG_CRC]);
+    return true;
+}
+
 /* How late a frame of a plant began that was waited for. */
 static void note_lateness(struct run *s, struct app *a, int64_t late_ns)
 {
@@ -217,7 +231,7 @@ static void one_frame(struct run *s, int64_t late_ns)
         if (late_ns >= 0)
             note_lateness(s, &one->scene.app, late_ns + (i ? clock_now_ns() - begin : 0));
         plants_frame(one);
-        s->warned = s->warned || neighbours_warn(&one->scene.app);
+        s->warned = s->warned || warn_of_neighbours(&one->scene.app);
     }
     plants_flush(&s->plants);
     spread_add(&s->compute, clock_now_ns() - begin);

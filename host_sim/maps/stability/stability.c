@@ -4,11 +4,16 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include "firmware/app/plant_scene.h"
+#include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
+#include "host_sim/cli/ticks.h"
 #include "host_sim/commands.h"
-#include "host_sim/maps/stability/stability_cell.h"
-#include "host_sim/maps/stability/stability_figure.h"
+#include "host_sim/maps/stability/stability_floquet.h"
 #include "host_sim/maps/stability/stability_read.h"
-#include "host_sim/maps/stability/stability_tell.h"
+#include "host_sim/maps/stability/stability_report.h"
+#include "host_sim/scene/plant_of_scene.h"
+#include "models/math/elementary.h"
 
 static const struct option stability_options[] = {
     {"map", "floquet|contact",
@@ -45,6 +50,88 @@ const struct usage stability_usage = {
     .table = {stability_options, maps_options, maps_outputs, jobs_options},
 };
 
+/* ---- a cell ---- */
+
+static const double truth_tol = 1e-11, truth_rad = 0.2;
+
+/* Each fills cell[FLOQUET_COLUMNS or CONTACT_COLUMNS], of which y and x are given. NULL, or why there is
+ * none. */
+static const char *floquet_cell(const struct stability *s, const struct scene *scene, double *cell)
+{
+    struct stability_tangent t;
+    int periods, steps;
+    const char *why = stability_tangent_of(scene, &t);
+    if (why)
+        return why;
+    stability_steps(&t, scene->frame_s / t.time_s, &periods, &steps);
+    cell[FLOQUET_RATIO] = t.omega / sqrt(t.stiffness);
+    cell[FLOQUET_STEPS] = (double)steps / periods;
+    cell[FLOQUET_PLANT] = stability_exact(&t);
+    cell[FLOQUET_METHOD] = stability_multiplier(&t, s->m.method, s->m.tol, periods, steps);
+    return NULL;
+}
+
+/* ---- the scene's motion ---- */
+
+struct outcome {
+    double energy; /* highest stored energy of the second half above that of rest, J */
+    uint32_t switches;
+};
+
+static const char *move(const struct scene *scene, const struct plant_config *c, const struct harmonic *drive,
+                        uint64_t ticks, struct outcome *r)
+{
+    static struct plant pl;
+    const char *why = plant_init(&pl, c);
+    if (why)
+        return why;
+    double rest = plant_energy(&pl);
+    plant_scene_begin(&pl, scene, c->si, drive);
+    *r = (struct outcome){.energy = 0.0};
+    for (uint64_t i = 0; i < ticks; i++) {
+        if (!plant_run(&pl, 1)) {
+            r->energy = (double)INFINITY;
+            break;
+        }
+        if (2 * i >= ticks)
+            r->energy = fmax(r->energy, plant_energy(&pl) - rest);
+    }
+    r->switches = pl.counts.switches;
+    return NULL;
+}
+
+static const char *contact_cell(const struct stability *s, const struct scene *scene, double *cell)
+{
+    static double scratch[METHOD_SCRATCH];
+    double step = scene->frame_s;
+    struct maps_point q;
+    struct outcome truth, method;
+    maps_resolve(scene, &q);
+    double rate = scene->model->eigenfrequency(q.p) / q.scale.time_s, finer = ceil(step * rate / truth_rad);
+    uint64_t ticks = ticks_begun(2.0 * ELEMENTARY_PI * s->periods, rate * step);
+    struct plant_config c = plant_config_of_real_scene(scene, q.si, step / finer, scratch);
+    c.method = &auto_method;
+    c.tol = truth_tol;
+    c.no_ledger = true;
+    const char *why = move(scene, &c, q.drive, ticks * (uint64_t)finer, &truth);
+    if (why)
+        return why;
+    c.method = s->m.method;
+    c.tick_s = step;
+    c.tol = s->m.tol;
+    c.force = true;
+    why = move(scene, &c, q.drive, ticks, &method);
+    if (why)
+        return why;
+    cell[CONTACT_STEP] = step * rate;
+    cell[CONTACT_SWITCHES] = truth.switches;
+    cell[CONTACT_OF_METHOD] = method.switches;
+    cell[CONTACT_ENERGY] = method.energy / truth.energy;
+    return NULL;
+}
+
+/* ---- the map ---- */
+
 static bool compute(void *context, int job, FILE *rows)
 {
     const struct stability *s = context;
@@ -55,8 +142,7 @@ static bool compute(void *context, int job, FILE *rows)
     for (int i = 0; i < s->x.values.n; i++) {
         cell[1] = range_value(&s->x.values, i);
         scene_range_set(&scene, &s->x, cell[1]);
-        const char *why =
-            (s->map == STABILITY_FLOQUET ? stability_floquet_cell : stability_contact_cell)(s, &scene, cell);
+        const char *why = (s->map == STABILITY_FLOQUET ? floquet_cell : contact_cell)(s, &scene, cell);
         if (why) {
             rewind(rows);
             fprintf(rows, "at %s = %g and %s = %g: %s", s->y.column, cell[0], s->x.column, cell[1], why);
@@ -85,8 +171,7 @@ static int run(struct stability *s)
                      .ends = ends,
                      .context = s};
     int status = maps_compute(&s->m, &j);
-    static const struct maps_finding found = {.tell = stability_tell, .draw = stability_draw};
-    return status ? status : maps_conclude(&s->m, NULL, &found, s);
+    return status ? status : maps_conclude(&s->m, NULL, &stability_finding, s);
 }
 
 int cmd_stability(int argc, char **argv)

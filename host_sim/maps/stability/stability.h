@@ -38,11 +38,4 @@ enum {
 
 extern const struct usage stability_usage;
 
-/* The kinds of a cell. Floquet: 0 unstable in both, 1 in the plant only, 2 in the method only. Energy: 0
- * lost, 1 made, 2 more than doubled, 3 not finite. Switches: 0 missed, 1 made up. */
-enum { STABILITY_NO_KIND = -1 };
-int stability_floquet_kind(const double *cell);
-int stability_energy_kind(const double *cell);
-int stability_switches_kind(const double *cell);
-
 #endif

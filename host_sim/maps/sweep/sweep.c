@@ -3,9 +3,8 @@
 
 #include "host_sim/commands.h"
 #include "host_sim/maps/sweep/sweep_chain.h"
-#include "host_sim/maps/sweep/sweep_figure.h"
 #include "host_sim/maps/sweep/sweep_read.h"
-#include "host_sim/maps/sweep/sweep_tell.h"
+#include "host_sim/maps/sweep/sweep_report.h"
 
 #include <stdlib.h>
 
@@ -61,8 +60,7 @@ int cmd_sweep(int argc, char **argv)
                      .resume = sweep_resume,
                      .context = &s};
     status = status ? status : maps_compute(&s.m, &j);
-    const struct maps_finding found = {.tell = sweep_tell, .draw = sweep_draw};
-    status = status ? status : maps_conclude(&s.m, NULL, &found, &s);
+    status = status ? status : maps_conclude(&s.m, NULL, &sweep_finding, &s);
     free(s.m.identity);
     free(s.scratch);
     return status;

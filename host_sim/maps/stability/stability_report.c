@@ -1,10 +1,100 @@
-/* stability_figure.c - see stability_figure.h. */
-#include "host_sim/maps/stability/stability_figure.h"
+/* stability_report.c - see stability_report.h. */
+#include "host_sim/maps/stability/stability_report.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include "host_sim/cli/unit.h"
 
-enum { KINDS = 4 };
+enum { TONGUES_TOLD = 8, KINDS = 4 };
+
+/* The kinds of a cell. Floquet: 0 unstable in both, 1 in the plant only, 2 in the method only. Energy: 0
+ * lost, 1 made, 2 more than doubled, 3 not finite. Switches: 0 missed, 1 made up. */
+enum { NO_KIND = -1 };
+
+static int floquet_kind(const double *c)
+{
+    bool plant = !(c[FLOQUET_PLANT] <= STABILITY_UNIT), method = !(c[FLOQUET_METHOD] <= STABILITY_UNIT);
+    return plant ? !method : method ? 2 : NO_KIND;
+}
+
+static int energy_kind(const double *c)
+{
+    double ratio = c[CONTACT_ENERGY];
+    if (ratio < 1.0 - STABILITY_ENERGY)
+        return 0;
+    return !isfinite(ratio) ? 3 : ratio > 2.0 ? 2 : ratio > 1.0 + STABILITY_ENERGY ? 1 : NO_KIND;
+}
+
+static int switches_kind(const double *c)
+{
+    double more = c[CONTACT_OF_METHOD] - c[CONTACT_SWITCHES];
+    return more < 0.0 ? 0 : more > 0.0 ? 1 : NO_KIND;
+}
+
+static int count(const struct rows_table *t, int (*kind_of)(const double *), int kind)
+{
+    int n = 0;
+    for (int i = 0; i < t->n; i++)
+        n += kind_of(rows_row(t, i)) == kind;
+    return n;
+}
+
+static void tell_count(FILE *f, const char *what, int n, int all)
+{
+    fprintf(f, "%s: %d of %d cells, %.3g %%\n", what, n, all, 100.0 * n / all);
+}
+
+static bool plant_is_unstable(const double *cell)
+{
+    int kind = floquet_kind(cell);
+    return kind == 0 || kind == 1;
+}
+
+/* The tongues of the plant where they are widest, in the last row. */
+static void tell_tongues(const struct stability *s, const struct rows_table *t, FILE *f)
+{
+    char a[UNIT_TEXT], b[UNIT_TEXT];
+    int told = 0, first = t->n - s->x.values.n;
+    for (int i = first; i < t->n; i++) {
+        const double *cell = rows_row(t, i), *before = i > first ? rows_row(t, i - 1) : NULL;
+        int end = i;
+        if (!plant_is_unstable(cell) || (before && plant_is_unstable(before)))
+            continue;
+        while (end + 1 < t->n && plant_is_unstable(rows_row(t, end + 1)))
+            end++;
+        if (told++ < TONGUES_TOLD)
+            fprintf(f, "  tongue at the upper edge: %s from %s to %s\n", s->x.words,
+                    maps_in_words(cell[1], s->x.unit, a),
+                    maps_in_words(((const double *)rows_row(t, end))[1], s->x.unit, b));
+    }
+    if (told > TONGUES_TOLD)
+        fprintf(f, "  and %d more\n", told - TONGUES_TOLD);
+}
+
+static void tell(void *context, const struct rows_table *t, FILE *f)
+{
+    const struct stability *s = context;
+    char a[UNIT_TEXT], b[UNIT_TEXT];
+    fprintf(f, "%s by %s\n", s->m.name, s->m.method->name);
+    fprintf(f, "across: %s from %s to %s\n", s->x.words, maps_in_words(s->x.values.from, s->x.unit, a),
+            maps_in_words(s->x.values.to, s->x.unit, b));
+    fprintf(f, "upwards: %s from %s to %s\n", s->y.words, maps_in_words(s->y.values.from, s->y.unit, a),
+            maps_in_words(s->y.values.to, s->y.unit, b));
+    if (s->map == STABILITY_CONTACT) {
+        tell_count(f, "energy lost, 5 % and more", count(t, energy_kind, 0), t->n);
+        tell_count(f, "energy made, 5 % and more", count(t, energy_kind, 1) + count(t, energy_kind, 2), t->n);
+        tell_count(f, "motion not finite", count(t, energy_kind, 3), t->n);
+        tell_count(f, "contact switches missed", count(t, switches_kind, 0), t->n);
+        tell_count(f, "contact switches that are none", count(t, switches_kind, 1), t->n);
+        return;
+    }
+    tell_count(f, "unstable in plant and method", count(t, floquet_kind, 0), t->n);
+    tell_count(f, "unstable in the plant only", count(t, floquet_kind, 1), t->n);
+    tell_count(f, "unstable in the method only", count(t, floquet_kind, 2), t->n);
+    tell_tongues(s, t, f);
+}
+
+/* ---- picture and page: the cells of a kind have its colour ---- */
 
 /* One panel: kinds of cells, and which of them a cell is. */
 struct panel {
@@ -27,14 +117,14 @@ struct drawing {
 static const struct panel floquet_panel = {"Floquet",
                                            "white: stable in plant and method",
                                            320.0,
-                                           stability_floquet_kind,
+                                           floquet_kind,
                                            {{CHART_GREY, "unstable in plant and method"},
                                             {CHART_BLUE, "unstable in the plant only"},
                                             {CHART_RED, "unstable in the method only"}}};
 static const struct panel energy_panel = {"energy",
                                           "white: energy within 5 %, no switch more or less",
                                           240.0,
-                                          stability_energy_kind,
+                                          energy_kind,
                                           {{CHART_BLUE, "energy lost, 5 % and more"},
                                            {CHART_ORANGE, "made, 5 % and more"},
                                            {CHART_RED, "more than doubled"},
@@ -43,7 +133,7 @@ static const struct panel switches_panel = {
     "switches",
     NULL,
     240.0,
-    stability_switches_kind,
+    switches_kind,
     {{CHART_BLUE, "contact switches missed"}, {CHART_RED, "contact switches that are none"}}};
 
 static double on_axis(const struct scene_range *r, double value)
@@ -104,7 +194,7 @@ static void put_panel(const struct drawing *d, const struct panel *panel)
         put_kind(d, panel, k);
 }
 
-const char *stability_draw(void *context, const struct rows_table *t, struct figure *g)
+static const char *draw(void *context, const struct rows_table *t, struct figure *g)
 {
     const struct stability *s = context;
     const struct scene_range *x = &s->x;
@@ -129,3 +219,5 @@ const char *stability_draw(void *context, const struct rows_table *t, struct fig
     free(d.from);
     return NULL;
 }
+
+const struct maps_finding stability_finding = {.tell = tell, .draw = draw};
