@@ -33,9 +33,10 @@ static void expect(struct cursor *c, char wanted, const char *wrong)
 
 static int hex_digit(char ch)
 {
-    const char *digits = "0123456789ABCDEF0123456789abcdef";
-    const char *found = ch ? strchr(digits, ch) : NULL;
-    return found ? (int)(found - digits) % 16 : -1;
+    if (ch >= '0' && ch <= '9')
+        return ch - '0';
+    char upper = (char)(ch & ~('a' ^ 'A'));
+    return upper >= 'A' && upper <= 'F' ? upper - 'A' + 10 : -1;
 }
 
 /* The digits at the cursor, base 10 or 16, and how many there were, up to max. */
