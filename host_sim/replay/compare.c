@@ -28,27 +28,58 @@ static const struct usage compare_usage = {
     .table = {decode_logs_options, scene_options},
 };
 
+enum { ROWS_NOTED = 64 };
+
 /* ---- two logs ---- */
 
-struct side {
-    struct decode_log log;
-    uint64_t zero, last;
-    int got; /* as decode_log_next */
+static void note_place(struct compare_side *s)
+{
+    log_reader_tell(&s->log.log.reader, &s->place);
+    s->before = s->log.rows;
+    s->since = 0;
+}
+
+/* As decode_log_next, into s->row; of a log that may grow the last row is left for later. */
+static int next_row(struct compare_side *s, bool grows)
+{
     struct decode_row row;
-};
+    if (grows && s->since == ROWS_NOTED)
+        note_place(s);
+    int got = decode_log_next(&s->log, &row);
+    if (got <= 0 || (grows && s->log.ended))
+        return got < 0 ? got : 0;
+    s->row = row;
+    s->since++;
+    return got;
+}
 
 /* The next row with a tick of its own, which counts from `zero` then. Plant time may begin anew, at 0. */
-static void step(struct side *s)
+static void step(struct compare_side *s, bool grows)
 {
     unsigned run = s->row.run;
     do {
-        s->got = decode_log_next(&s->log, &s->row);
+        s->got = next_row(s, grows);
         if (s->got > 0 && s->row.run != run)
             s->zero = s->last = 0;
         run = s->row.run;
     } while (s->got > 0 && s->row.tick <= s->last);
+    if (s->got <= 0)
+        return;
     s->last = s->row.tick;
     s->row.tick -= s->zero;
+}
+
+/* From the end of what was there on: what was read of the last rows is read again. */
+static void resume(struct compare_side *s)
+{
+    struct decode_row row;
+    s->log.rows = s->before;
+    s->log.ended = false;
+    bool good = log_reader_seek(&s->log.log.reader, &s->place);
+    for (unsigned i = 0; good && i < s->since; i++)
+        good = decode_log_next(&s->log, &row) > 0;
+    if (good)
+        step(s, true);
 }
 
 /* Which row is of an earlier time: below 0 that of a, above 0 that of b, 0 neither. */
@@ -64,17 +95,21 @@ static const char *name_of(const struct compare *c, int i)
     return i && c->name ? c->name : c->path[i];
 }
 
-static bool open_side(struct side *s, const struct compare *c, int i, char *text)
+static bool open_side(struct compare_course *g, int i)
 {
+    const struct compare *c = &g->c;
+    struct compare_side *s = &g->side[i];
     const struct app *a = &c->scene->app;
     memset(s, 0, sizeof *s);
     s->zero = s->last = i ? c->zero : 0;
     const char *reason = decode_log_open(&s->log, c->path[i], c->interface[i], &a->scene, a->plant.tick_s);
-    if (reason)
-        snprintf(text, COMPARE_TEXT, "%s", reason);
-    else
-        step(s);
-    return !reason;
+    if (reason) {
+        snprintf(g->text, COMPARE_TEXT, "%s", reason);
+        return false;
+    }
+    note_place(s);
+    step(s, g->grow);
+    return true;
 }
 
 /* The bus did not bring it. */
@@ -113,8 +148,8 @@ static void tell_alone(const struct compare *c, const double *value, const char 
              name_of(c, has), name_of(c, !has));
 }
 
-static enum compare_verdict tell_outside(const struct compare *c, int i, const struct decode_row *a,
-                                         const struct decode_row *b, char *text)
+static void tell_outside(const struct compare *c, int i, const struct decode_row *a,
+                         const struct decode_row *b, char *text)
 {
     const struct model *m = c->scene->config.model;
     const double value[2] = {a->value[i], b->value[i]}, apart = fabs(value[0] - value[1]);
@@ -130,67 +165,101 @@ static enum compare_verdict tell_outside(const struct compare *c, int i, const s
                  apart, c->tolerance[i]);
     snprintf(text, COMPARE_TEXT, "they part at %.9g s of plant time (frame %llu): %s is %.200s", a->t_s,
              (unsigned long long)a->frame, name, how);
-    return COMPARE_APART;
 }
 
-static bool goes_on(const struct compare *c, const struct side *s)
+static bool goes_on(const struct compare *c, const struct compare_side *s)
 {
     return s->got > 0 && s->row.tick <= c->end;
 }
 
-static enum compare_verdict compare_rows(const struct compare *c, struct side *a, struct side *b, char *text)
+/* The next rows; before: which of them is earlier. */
+static void judge_rows(struct compare_course *g, int before)
 {
-    unsigned long long n = 0;
-    while (goes_on(c, a) && goes_on(c, b)) {
-        int before = order(&a->row, &b->row);
-        if (!before) {
-            int i = outside(c, &a->row, &b->row);
-            if (i >= 0)
-                return tell_outside(c, i, &a->row, &b->row, text);
-            n++;
-        } else if (!c->gaps) {
-            snprintf(text, COMPARE_TEXT,
-                     "row %llu is tick %llu in one and %llu in the other%s: not the same course of time",
-                     n + 1, (unsigned long long)a->row.tick, (unsigned long long)b->row.tick,
-                     a->row.run != b->row.run ? ", where time begins anew in one alone" : "");
-            return COMPARE_APART;
-        }
-        if (before <= 0)
-            step(a);
-        if (before >= 0)
-            step(b);
-    }
-    if (a->got < 0 || b->got < 0) {
-        snprintf(text, COMPARE_TEXT, "%s", (a->got < 0 ? a : b)->log.log.reader.reason);
-        return COMPARE_BAD;
-    }
-    snprintf(text, COMPARE_TEXT, "%llu rows agree", n);
-    if (n && goes_on(c, a) == goes_on(c, b))
-        return COMPARE_EQUAL;
+    const struct decode_row *a = &g->side[0].row, *b = &g->side[1].row;
+    int i = before ? -1 : outside(&g->c, a, b);
+    if (!before && g->each)
+        g->each(g->context, a, b);
+    if (g->part)
+        return;
+    g->part = i >= 0 || (before && !g->c.gaps);
+    g->rows += !before && !g->part;
+    if (i >= 0)
+        tell_outside(&g->c, i, a, b, g->text);
+    else if (g->part)
+        snprintf(g->text, COMPARE_TEXT,
+                 "row %llu is tick %llu in one and %llu in the other%s: not the same course of time",
+                 (unsigned long long)g->rows + 1, (unsigned long long)a->tick, (unsigned long long)b->tick,
+                 a->run != b->run ? ", where time begins anew in one alone" : "");
+}
+
+/* Logs that do not part in a row. */
+static enum compare_verdict tell_ends(const struct compare_course *g, char *text)
+{
+    const struct compare *c = &g->c;
+    const struct compare_side *a = &g->side[0], *b = &g->side[1];
+    unsigned long long n = g->rows;
     bool first = goes_on(c, b);
-    if (n)
-        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", name_of(c, first ? 0 : 1), n);
-    else
+    if (a->got < 0 || b->got < 0)
+        snprintf(text, COMPARE_TEXT, "%s", (a->got < 0 ? a : b)->log.log.reader.reason);
+    else if (!n)
         snprintf(text, COMPARE_TEXT,
                  "%s has no row of this plant while its time runs; is its --base-id another one?",
                  name_of(c, a->log.rows.begun && goes_on(c, a) ? 1 : 0));
-    return n ? COMPARE_APART : COMPARE_BAD;
+    else if (goes_on(c, a) == goes_on(c, b))
+        snprintf(text, COMPARE_TEXT, "%llu rows agree", n);
+    else
+        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", name_of(c, first ? 0 : 1), n);
+    if (a->got < 0 || b->got < 0 || !n)
+        return COMPARE_BAD;
+    return goes_on(c, a) == goes_on(c, b) ? COMPARE_EQUAL : COMPARE_APART;
+}
+
+bool compare_open(struct compare_course *g)
+{
+    g->verdict = COMPARE_BAD;
+    if (open_side(g, 0)) {
+        if (open_side(g, 1))
+            return true;
+        decode_log_close(&g->side[0].log);
+    }
+    return false;
+}
+
+void compare_go_on(struct compare_course *g)
+{
+    struct compare_side *a = &g->side[0], *b = &g->side[1];
+    for (int i = 0; i < 2; i++)
+        if (g->grow && g->side[i].got == 0)
+            resume(&g->side[i]);
+    while (goes_on(&g->c, a) && goes_on(&g->c, b) && (g->each || !g->part)) {
+        int before = order(&a->row, &b->row);
+        judge_rows(g, before);
+        if (before <= 0)
+            step(a, g->grow);
+        if (before >= 0)
+            step(b, g->grow);
+    }
+    g->verdict = g->part ? COMPARE_APART : tell_ends(g, g->text);
+}
+
+void compare_close(struct compare_course *g)
+{
+    for (int i = 0; i < 2; i++)
+        decode_log_close(&g->side[i].log);
 }
 
 enum compare_verdict compare_logs(const struct compare *c, char *text)
 {
-    static struct side a, b;
-    enum compare_verdict v = COMPARE_BAD;
-    if (!open_side(&a, c, 0, text))
-        return v;
-    if (open_side(&b, c, 1, text)) {
-        v = compare_rows(c, &a, &b, text);
-        for (int i = 0; i < 2 && v != COMPARE_BAD; i++)
-            decode_log_tell(i ? &b.log : &a.log, c->command);
-        decode_log_close(&b.log);
+    static struct compare_course g;
+    g = (struct compare_course){.c = *c};
+    if (compare_open(&g)) {
+        compare_go_on(&g);
+        for (int i = 0; i < 2 && g.verdict != COMPARE_BAD; i++)
+            decode_log_tell(&g.side[i].log, c->command);
+        compare_close(&g);
     }
-    decode_log_close(&a.log);
-    return v;
+    memcpy(text, g.text, COMPARE_TEXT);
+    return g.verdict;
 }
 
 /* ---- the command ---- */
@@ -202,7 +271,8 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
     int n = decode_signals(m);
     size_t length = equal ? (size_t)(equal - word) : 0;
     if (!equal)
-        return options_misuse(o->usage, "%s: write SIGNAL=TOLERANCE; a scene is given by --model", word);
+        return options_misuse(o->usage, "%s: write SIGNAL=TOLERANCE%s", word,
+                              c->command ? "; a scene is given by --model" : "");
     for (int i = 0; i < n; i++) {
         decode_name(m, i, name[i]);
         names[i] = name[i];
@@ -216,6 +286,16 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
                           options_advise(word, length, names, n, NULL));
 }
 
+int compare_allow(struct compare *c, const struct options *o, const char *const *word, int n)
+{
+    int status = 0;
+    for (int i = 0; i < DECODE_SIGNALS; i++)
+        c->tolerance[i] = n ? (double)NAN : 0.0;
+    for (int i = 0; i < n && !status; i++)
+        status = read_tolerance(o, c->scene->config.model, word[i], c);
+    return status;
+}
+
 int cmd_compare(int argc, char **argv)
 {
     static struct scene_app scene;
@@ -226,14 +306,11 @@ int cmd_compare(int argc, char **argv)
     if (!options_parse(&o, &compare_usage, argc, argv, &status))
         return status;
     status = decode_scene(&scene, &o, OPTIONS_WORDS);
-    for (int i = 0; i < DECODE_SIGNALS; i++)
-        c.tolerance[i] = o.n_words > 2 ? (double)NAN : 0.0;
-    for (int i = 2; i < o.n_words && !status; i++)
-        status = read_tolerance(&o, scene.config.model, o.word[i], &c);
+    status = status ? status : compare_allow(&c, &o, o.word + 2, o.n_words - 2);
     if (!status) {
         for (int i = 0; i < 2; i++) {
             c.path[i] = o.word[i];
-            c.interface[i] = options_text(&o, "interface", options_count(&o, "interface") > 1 ? i : 0);
+            c.interface[i] = decode_interface(&o, i);
         }
         enum compare_verdict v = compare_logs(&c, text);
         if (v == COMPARE_BAD)

@@ -22,6 +22,11 @@ const struct option decode_logs_options[] = {
     {.name = NULL},
 };
 
+const char *decode_interface(const struct options *o, int i)
+{
+    return options_text(o, "interface", options_count(o, "interface") > 1 ? i : 0);
+}
+
 int decode_signals(const struct model *m)
 {
     return DECODE_OUTPUTS + m->n_inputs;

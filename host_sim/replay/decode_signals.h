@@ -17,6 +17,9 @@ enum { DECODE_NAME = 64 };
 /* --interface of the commands that read one; and --model and --interface of those that read several. */
 extern const struct option decode_log_options[], decode_logs_options[];
 
+/* That of log i, or the one given for all; NULL: none. */
+const char *decode_interface(const struct options *o, int i);
+
 /* Signal i of a row: outputs that the bus carries, then command_INPUT. */
 int decode_signals(const struct model *m);
 const struct signal *decode_signal(const struct model *m, int i);

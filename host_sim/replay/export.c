@@ -89,14 +89,13 @@ static void step(struct source *s)
 static int open_sources(struct source *s, int n, const struct options *o, const struct scene_app *scene)
 {
     for (int i = 0; i < n; i++) {
-        int given = options_count(o, "interface");
-        const char *interface = options_text(o, "interface", i < given ? i : 0);
-        const char *why = plant_log_open(&s[i].log, o->word[i], given ? interface : NULL, &scene->app.scene);
+        const char *why = plant_log_open(&s[i].log, o->word[i], decode_interface(o, i), &scene->app.scene);
         if (why) {
             while (i-- > 0)
                 plant_log_close(&s[i].log);
             return options_failure(o->usage, "%s", why);
         }
+        plant_log_tell_identity(&s[i].log, o->usage->name);
         step(&s[i]);
     }
     return 0;

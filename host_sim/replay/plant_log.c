@@ -172,6 +172,13 @@ void plant_log_close(struct plant_log *l)
 
 /* ---- for people ---- */
 
+void plant_log_tell_identity(const struct plant_log *l, const char *command)
+{
+    if (l->n_on && !l->tells_identity)
+        fprintf(stderr, "contactplant %s: %s tells no identity (INFO); see that it is of this scene\n",
+                command, l->reader.path);
+}
+
 void plant_log_tell(const struct plant_log *l, const char *command)
 {
     const struct log_reader *r = &l->reader;
@@ -200,7 +207,5 @@ void plant_log_tell(const struct plant_log *l, const char *command)
     }
     if (*before == ',')
         fprintf(stderr, "%s%s\n", *r->damage ? "; the first damaged one is " : "", r->damage);
-    if (l->n_on && !l->tells_identity)
-        fprintf(stderr, "contactplant %s: %s tells no identity (INFO); see that it is of this scene\n",
-                command, r->path);
+    plant_log_tell_identity(l, command);
 }

@@ -54,6 +54,9 @@ int plant_log_any(struct plant_log *l, struct log_line *line, struct message *m)
  * `command`: its subcommand. */
 void plant_log_tell(const struct plant_log *l, const char *command);
 
+/* The last of these alone, where nothing is passed over. */
+void plant_log_tell_identity(const struct plant_log *l, const char *command);
+
 void plant_log_close(struct plant_log *l);
 
 #endif

@@ -18,6 +18,9 @@ static const struct option scope_command_options[] = {
     SCOPE_CONTROL,
     {"open", "FILE", "a recorded log instead of a plant; twice: two logs, and where they differ",
      OPTION_READS, .initial = NULL, .many = true},
+    {"tolerance", "SIGNAL=TOLERANCE",
+     "with two logs: where they part, as of contactplant compare; repeatable", OPTION_TEXT, .initial = NULL,
+     .many = true},
     {.name = "follow", .meaning = "with --open: read on while the log grows"},
     {"log", "FILE", "record all that is heard as a candump log, for contactplant decode", OPTION_WRITES,
      .initial = NULL},
@@ -203,8 +206,9 @@ int cmd_scope(int argc, char **argv)
         return status;
     if (options_given(&o, "open"))
         return scope_logs(&o);
-    if (options_given(&o, "follow") || options_given(&o, "interface"))
-        return options_misuse(&scope_usage, "--follow and --interface are of a log; name it by --open");
+    if (options_given(&o, "follow") || options_given(&o, "interface") || options_given(&o, "tolerance"))
+        return options_misuse(&scope_usage,
+                              "--follow, --interface and --tolerance are of logs; name them by --open");
     struct scope *s = calloc(1, sizeof *s);
     if (!s)
         return options_failure(&scope_usage, "out of memory");

@@ -290,9 +290,7 @@ const char *log_index_open(struct log_index *x, const char *path, const char *in
     const char *why = log_walk_open(&x->walk, path, interface, scene, tick_s);
     if (why)
         return why;
-    x->tick_s = tick_s;
-    x->step = UINT64_MAX;
-    log_cell_begin(&x->next);
+    log_index_begin(x, tick_s);
     int got = begin_block(x) ? read_rows(x) : -2;
     why = reason_of(x, got);
     if (why)
@@ -304,27 +302,27 @@ const char *log_index_open(struct log_index *x, const char *path, const char *in
 
 static const char *const no_memory = "out of memory";
 
-const char *log_index_begin(struct log_index *x, double tick_s)
+void log_index_begin(struct log_index *x, double tick_s)
 {
     x->tick_s = tick_s;
     x->step = UINT64_MAX;
     log_cell_begin(&x->next);
-    return begin_block(x) ? NULL : no_memory;
 }
 
 const char *log_index_add(struct log_index *x, const struct decode_row *row)
 {
     x->walk.log.rows.row.run = row->run;
-    if (x->open->rows && is_whole(x) && !(end_block(x) && begin_block(x)))
+    if (x->open && is_whole(x) && !end_block(x))
         return no_memory;
-    x->open->run = row->run;
+    if (!x->open && !begin_block(x))
+        return no_memory;
     add_row(x, row);
     return NULL;
 }
 
 const char *log_index_end(struct log_index *x)
 {
-    return !x->open->rows || end_block(x) ? NULL : no_memory;
+    return !x->open || end_block(x) ? NULL : no_memory;
 }
 
 bool log_index_run(const struct log_index *x, unsigned run, size_t *first, size_t *end)

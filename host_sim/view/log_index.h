@@ -80,8 +80,9 @@ const char *log_index_open(struct log_index *x, const char *path, const char *in
 /* Reads on where the file has grown: its last block again, and what follows. NULL, or the reason. */
 const char *log_index_more(struct log_index *x);
 
-/* An index of rows that come from elsewhere: bins alone. Each call: NULL, or the reason. */
-const char *log_index_begin(struct log_index *x, double tick_s);
+/* An index of rows that come from elsewhere: bins alone. An end shows all that was added; more may follow.
+ * Each call: NULL, or the reason. */
+void log_index_begin(struct log_index *x, double tick_s);
 const char *log_index_add(struct log_index *x, const struct decode_row *row);
 const char *log_index_end(struct log_index *x);
 

@@ -112,7 +112,11 @@ static void put_log(struct view *v, struct json *j)
         json_item(j, "'lost':%s", v->log[i].lost ? v->log[i].lost : "");
         json_put(j, "}");
     }
-    json_put(j, "],'follows':%b,'compared':%s,'part':%t}", v->follows, v->compared, v->part_s);
+    json_put(j, "],'follows':%b,'compared':%s,'part':%t", v->follows, v->course.text, v->part_s);
+    json_item(j, "'allowed':[");
+    for (int i = 0; i < decode_signals(m); i++)
+        json_item(j, "%n", v->course.c.tolerance[i]);
+    json_put(j, "]}");
 }
 
 /* ---- rows and marks ---- */
@@ -345,42 +349,77 @@ static int open_log(struct view *v, const struct options *o, int i)
     struct view_log *l = &v->log[i];
     const struct app *a = &v->scene.app;
     l->path = options_text(o, "open", i);
-    const char *interface = options_text(o, "interface", options_count(o, "interface") > 1 ? i : 0);
     if (look_at(l, &l->file, &l->bytes) && l->bytes > LONG_LOG)
         fprintf(stderr, "contactplant scope: reading %.1f GB of %s, twice\n", 1e-9 * (double)l->bytes,
                 l->path);
-    const char *why = log_index_open(&l->index, l->path, interface, &a->scene, a->plant.tick_s);
+    const char *why = log_index_open(&l->index, l->path, decode_interface(o, i), &a->scene, a->plant.tick_s);
     if (why)
         return options_failure(o->usage, "%s", why);
     v->n_logs++;
     if (!l->index.rows)
         return decode_no_rows(o, l->path);
-    if (options_count(o, "open") == 1) /* else compare_logs tells it */
-        decode_log_tell(&l->index.walk.log, o->usage->name);
+    decode_log_tell(&l->index.walk.log, o->usage->name);
     return 0;
+}
+
+/* The first log's row less the second one's. */
+static void take_pair(void *context, const struct decode_row *a, const struct decode_row *b)
+{
+    struct view *v = context;
+    struct decode_row row = *a;
+    row.contact_known = false;
+    row.beyond = 0;
+    for (int i = 0; i < DECODE_SIGNALS; i++)
+        row.value[i] = a->value[i] - b->value[i];
+    v->full = v->full || log_index_add(&v->apart, &row) != NULL;
+}
+
+static bool compare_more(struct view *v)
+{
+    compare_go_on(&v->course);
+    v->full = v->full || log_index_end(&v->apart) != NULL;
+    return !v->full;
+}
+
+/* How they are compared, before anything is read. */
+static int set_compare(struct view *v, const struct options *o)
+{
+    struct compare_course *g = &v->course;
+    const char *word[DECODE_SIGNALS];
+    int n = options_count(o, "tolerance"), logs = options_count(o, "open");
+    if (logs > VIEW_LOGS)
+        return options_misuse(o->usage, "--open may be given once or twice");
+    if (n && logs < VIEW_LOGS)
+        return options_misuse(o->usage, "--tolerance is of two logs; give --open twice");
+    if (n > DECODE_SIGNALS)
+        return options_misuse(o->usage, "--tolerance may be given once for each signal");
+    g->c = (struct compare){.scene = &v->scene, .end = UINT64_MAX, .part_s = &v->part_s};
+    g->grow = v->follows;
+    g->each = take_pair;
+    g->context = v;
+    for (int i = 0; i < logs; i++) {
+        g->c.path[i] = options_text(o, "open", i);
+        g->c.interface[i] = decode_interface(o, i);
+    }
+    for (int i = 0; i < n; i++)
+        word[i] = options_text(o, "tolerance", i);
+    return compare_allow(&g->c, o, word, n);
 }
 
 static int compare(struct view *v, const struct options *o)
 {
-    struct compare c = {.command = o->usage->name,
-                        .scene = &v->scene,
-                        .end = UINT64_MAX,
-                        .part_s = &v->part_s,
-                        .path = {v->log[0].path, v->log[1].path}};
-    for (int i = 0; i < VIEW_LOGS; i++)
-        c.interface[i] = options_text(o, "interface", options_count(o, "interface") > 1 ? i : 0);
-    (void)compare_logs(&c, v->compared);
-    const char *why = log_apart(&v->apart, &v->log[0].index, &v->log[1].index);
-    return why ? options_failure(o->usage, "%s", why) : 0;
+    log_index_begin(&v->apart, v->scene.app.plant.tick_s);
+    if (!compare_open(&v->course))
+        return options_failure(o->usage, "%s", v->course.text);
+    return compare_more(v) ? 0 : options_failure(o->usage, "out of memory");
 }
 
 int view_open(struct view *v, const struct options *o)
 {
     int status = decode_scene(&v->scene, o, 0);
-    if (!status && options_count(o, "open") > VIEW_LOGS)
-        return options_misuse(o->usage, "--open may be given once or twice");
     v->follows = options_given(o, "follow");
     v->part_s = (double)NAN;
+    status = status ? status : set_compare(v, o);
     for (int i = 0; i < options_count(o, "open") && !status; i++)
         status = open_log(v, o, i);
     if (!status && v->n_logs == VIEW_LOGS)
@@ -390,28 +429,33 @@ int view_open(struct view *v, const struct options *o)
 
 /* ---- a log that grows ---- */
 
-static void follow(struct view_log *l)
+/* True where it has grown. */
+static bool follow(struct view_log *l)
 {
     uint64_t file = 0, bytes = 0;
+    bool grown = false;
     if (!look_at(l, &file, &bytes))
         l->lost = "the file is gone";
     else if (file != l->file || bytes < l->bytes)
         l->lost = "the file was replaced; open it anew";
-    else if (bytes > l->bytes)
+    else if ((grown = bytes > l->bytes))
         l->lost = log_index_more(&l->index);
     l->bytes = bytes;
     if (l->lost)
         fprintf(stderr, "contactplant scope: %s: %s\n", l->path, l->lost);
+    return grown;
 }
 
 void view_turn(struct view *v)
 {
     double now = clock_now_s();
+    bool grown = false;
     if (!v->follows || now < v->looked_s + look_every_s)
         return;
     for (int i = 0; i < v->n_logs; i++)
-        if (!v->log[i].lost)
-            follow(&v->log[i]);
+        grown = (!v->log[i].lost && follow(&v->log[i])) || grown;
+    if (grown && v->n_logs == VIEW_LOGS && !v->full && !compare_more(v))
+        v->log[0].lost = "out of memory";
     v->looked_s = clock_now_s();
 }
 
@@ -419,6 +463,8 @@ void view_close(struct view *v)
 {
     for (int i = 0; i < v->n_logs; i++)
         log_index_close(&v->log[i].index);
+    if (v->course.side[1].log.log.reader.file)
+        compare_close(&v->course);
     log_index_close(&v->apart);
     scene_free(&v->scene);
 }

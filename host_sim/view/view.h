@@ -13,7 +13,6 @@
 #include "host_sim/out/json.h"
 #include "host_sim/replay/compare.h"
 #include "host_sim/scene/scene.h"
-#include "host_sim/view/log_apart.h"
 #include "host_sim/view/log_range.h"
 
 enum { VIEW_LOGS = 2 };
@@ -29,13 +28,13 @@ struct view {
     struct scene_app scene;
     int n_logs;
     struct view_log log[VIEW_LOGS];
-    struct log_index apart; /* two logs: their differences, log 2 of /range */
+    struct compare_course course; /* two logs: what compare says, and ... */
+    struct log_index apart;       /* ... the first less the second, as log 2 of /range */
+    bool full;                    /* no memory for more of them */
     struct log_range range;
     bool follows;
     double looked_s; /* when the files were looked at last; of the clock */
-    /* two logs: what compare says, and where they part; NaN: they do not, or no value of both does */
-    char compared[COMPARE_TEXT];
-    double part_s;
+    double part_s;   /* where two logs part; NaN: they do not, or no value of both does */
 };
 
 /* Opens the logs of --open, of this scene, and says on stderr what was passed over. All zero before. 0, or

@@ -22,7 +22,7 @@ REFUSED = re.compile(r"^contactplant [a-z]+: .*(itself|read by this command|read
 READS = {("run", "plants"), ("scope", "open"), ("fit", "sweep"), ("fit", "ring"), ("fit", "series"), ("fit", "log"), ("fit", "thermal"), ("fit", "curve"), ("scan", "surface"), ("test", "requirements"), ("basin", "rows")}
 NO_FILE = {"A,B,...", "ADDRESS:PORT", "BUS", "CH=A,HZ,RAD", "CH=SD,STEPS,SEED", "D", "DT", "E", "FRAMES", "FROM:TO", "H", "HOST:PORT", "HZ", "I/N", "ID",
            "LIST", "M", "M/S", "MACHINE", "MB", "N", "N,N/M,..", "NAME", "NAME,..", "NAME=FROM:TO", "NAME=FROM:TO:N",
-           "NAME=VALUE", "OUTPUT", "PERIODS", "S", "SHARE", "T", "T1,T2,...", "TIME", "WHAT", "WHERE", "X", "model|si", "floquet|contact", "catch_up|skip|freeze|stop"}
+           "NAME=VALUE", "OUTPUT", "PERIODS", "S", "SHARE", "SIGNAL=TOLERANCE", "T", "T1,T2,...", "TIME", "WHAT", "WHERE", "X", "model|si", "floquet|contact", "catch_up|skip|freeze|stop"}
 # Each subcommand with its inputs, quick where it may run. What is read: every name in the line that is a file, and those behind it.
 LINES = [
     (["run", "s.ini", "--duration", "0.02", "--bus", "udp:127.0.0.1:%d" % port], [], True),

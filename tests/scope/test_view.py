@@ -5,6 +5,8 @@ import bisect
 import csv
 import io
 import os
+import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -193,6 +195,7 @@ def test_two(log):
         about = v.ask("log")
         r = run("compare", "a.log", "b.log")
         equal("they part where compare says", (about["compared"], about["part"]), (r.stdout.strip(), 3.0))
+        equal("  where nothing may differ", about["allowed"], [0] * len(about["signals"]))
         equal("the second one has its own ranges", [v.range(2.9, 3.1, log=i)["beyond"].count(1) for i in (0, 1)], [0, 1])
     with Viewer(program, "--open", log, "--open", log) as v:
         about = v.ask("log")
@@ -210,6 +213,45 @@ def test_difference(log):
         for a, b, pixels in ((0.0, 1.5, 10), (0.0, 1.5, 2)):
             same_bands(v, rows, a, b, pixels, 2)
         equal("a row of the differences", v.status("row?log=2&run=0&at=1")[0], 400)
+
+
+def test_tolerance(log):
+    print("--- a tolerance", flush=True)
+    for words in (["velocity=1 um/s", "displacement=5 um"], ["displacement=1 m"], ["penetration=1 nm"]):
+        r = run("compare", log, "w.a.log", *words)
+        with Viewer(program, "--open", log, "--open", "w.a.log", *(x for w in words for x in ("--tolerance", w))) as v:
+            about = v.ask("log")
+        where = re.search(r"part at (\S+) s", r.stdout)
+        equal(", ".join(words) + ": as compare says", (about["compared"], about["part"]), (r.stdout.strip(), where and float(where.group(1))))
+    equal("and it is told", about["allowed"][:4], [None, None, 1e-9, None])
+    for arguments, words in (((log, "--tolerance", "velocity=1 um/s"), "give --open twice"), ((log, "--open", log, "--tolerance", "heat=1 K"), "no such signal"),
+                             ((log, "--open", log, "--tolerance", "velocity"), "write SIGNAL=TOLERANCE")):
+        r = run("scope", "--open", *arguments, "--http", "127.0.0.1:0")
+        verdict(words, r.returncode == 2 and words in r.stderr and r.stderr.count("\n") == 1, r.stderr)
+
+
+def test_follow_two():
+    """The difference of two logs that grow by pieces of any length, against that of the whole ones."""
+    chance = random.Random(5)
+    planted_log.write("a.log", 9000)
+    planted_log.write("b.log", 9000, [(5000, 5003)], [(3000, 3001)])
+    with Viewer(program, "--open", "a.log", "--open", "b.log", "--tolerance", "displacement=0 m") as v:
+        whole, wanted, once = v.ask("log"), v.range(0.0, 9.0, 9, 2), v.range(0.0, 9.0, 1, 2)["rows"]
+    text = {"a": read("a.log"), "b": read("b.log")}
+    done = {name: write(name + ".grows.log", text[name][:200000]) and 200000 for name in text}
+    with Viewer(program, "--open", "a.grows.log", "--open", "b.grows.log", "--follow", "--tolerance", "displacement=0 m") as v:
+        while any(done[name] < len(text[name]) for name in text):
+            for name in text:
+                end = done[name] + chance.choice((0, 1, 5000, 150000))
+                with open(name + ".grows.log", "a") as f:
+                    f.write(text[name][done[name]:end])
+                done[name] = min(end, len(text[name]))
+            time.sleep(0.2)
+        verdict("two that grow have all rows", until(lambda: [x["rows"] for x in v.ask("log")["logs"]] == [x["rows"] for x in whole["logs"]]))
+        equal("  and part where the whole ones do", v.ask("log")["part"], whole["part"])
+        got = v.range(0.0, 9.0, 9, 2)
+        equal("  and have their differences, to the last row but one", [got["bands"][k] == wanted["bands"][k] for k in "0123"], [True] * 4)
+        equal("  each once", v.range(0.0, 9.0, 1, 2)["rows"], [n - 1 for n in once])
 
 
 def test_follow(log):
@@ -261,7 +303,9 @@ try:
     test_logs("t.a.log")
     test_two("t.a.log")
     test_difference("t.a.log")
+    test_tolerance("t.a.log")
     test_follow("t.a.log")
+    test_follow_two()
     test_requests("t.a.log")
 finally:
     end_all()

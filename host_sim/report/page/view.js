@@ -141,15 +141,17 @@ function toPart() {
 /* A log that grows: a view of its end goes with it. */
 async function follow() {
   const before = view.run, atEnd = view.to >= before.to, now = await (await fetch("log")).json(), [log] = now.logs;
+  const grown = now.logs.some((l, i) => l.rows !== about.logs[i].rows);
   about = now;
   listRuns(log);
   alarm(now.logs.map((l) => l.lost && `${l.name}: ${l.lost}`).filter(Boolean).join(" "));
   view.run = log.runs.find((r) => r.run === before.run) || log.runs[0];
-  if (view.run.to === before.to)
+  if (!grown)
     return;
   const span = view.from <= before.from ? Infinity : view.to - view.from, {to} = view.run;
   if (atEnd)
     look(max(view.run.from, to - span), to, false);
+  askRange();
   askWhole();
 }
 
@@ -285,8 +287,10 @@ function differences(key) {
 
 function apartPanel(panel) {
   const key = panel.key.slice(6), d = differences(key), bands = shown.apart?.bands[key] || [[], []], title = signalName(key) + ", first minus second";
-  const [low, high] = extremes(d ? d.map((p) => p[1]) : bands.flat());
-  begin(panel, rangeOf(low, high), unitOf(key), title, 64);
+  const [low, high] = extremes(d ? d.map((p) => p[1]) : bands.flat()), allowed = about.allowed[key];
+  begin(panel, rangeOf(...extremes([low, high, ...allowed ? [-allowed, allowed] : []])), unitOf(key), title, 64);
+  for (const edge of allowed ? [-allowed, allowed] : [])
+    panel.chart.line([view.from, view.to], [edge, edge], "orange", {width: 1});
   if (d)
     panel.chart.points(d.map((p) => p[0]), d.map((p) => p[1]), "purple");
   else if (shown.apart) {
@@ -295,7 +299,8 @@ function apartPanel(panel) {
   }
   finish(panel);
   panel.chart.end();
-  panel.canvas.ariaLabel = title + ": " + (low <= high ? `${quantity(low, unitOf(key))} to ${quantity(high, unitOf(key))}` : "no rows of one tick");
+  panel.canvas.ariaLabel = title + ": " + (low <= high ? `${quantity(low, unitOf(key))} to ${quantity(high, unitOf(key))}` : "no rows of one tick") +
+    (allowed ? `; ${quantity(allowed, unitOf(key))} allowed` : "");
 }
 
 function signalPanel(panel, r) {
