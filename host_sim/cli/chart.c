@@ -98,12 +98,12 @@ void chart_range_finish(double *min, double *max)
 
 double chart_label(char *label, size_t size, const char *name, const char *unit, double largest)
 {
-    static const char *const prefix[] = {"f", "p", "n", "µ", "m", "", "k", "M", "G"};
+    static const char *const prefix[] = {"z", "a", "f", "p", "n", "µ", "m", "", "k", "M", "G"};
     int power = largest > 0.0 && isfinite(largest) ? (int)floor(log10(largest) / 3.0) : 0;
-    power = power < -5 ? -5 : power > 3 ? 3 : power;
+    power = power < -7 ? -7 : power > 3 ? 3 : power;
     bool bare = !*unit || !strcmp(unit, "1"),
          scaled = !bare && strcmp(unit, "rad") != 0 && strncmp(unit, "kg", 2) != 0;
-    snprintf(label, size, bare ? "%s" : "%s (%s%s)", name, scaled ? prefix[power + 5] : "", unit);
+    snprintf(label, size, bare ? "%s" : "%s (%s%s)", name, scaled ? prefix[power + 7] : "", unit);
     return scaled ? pow(10.0, -3.0 * power) : 1.0;
 }
 

@@ -17,7 +17,9 @@ enum {
 
 #define PI 3.14159265358979323846
 
-static const char prefix[] = "fpnum kMG"; /* 10^-15, -12, .. 10^9 */
+static const char prefix[] = "zafpnum kMG"; /* 10^-21, -18, .. 10^9 */
+
+enum { PREFIX_LEAST = -7 /* thousands */ };
 
 static bool bare(const char *unit)
 {
@@ -80,7 +82,7 @@ static bool is_multiple(const char *t, size_t n, const char *unit, struct scale 
     p = micro ? strchr(prefix, 'u') : *t == ' ' ? NULL : strchr(prefix, *t);
     if (!p || !same(t + 1 + micro, n - 1 - micro, base))
         return false;
-    scale->shift += 3 * ((int)(p - prefix) - 5);
+    scale->shift += 3 * ((int)(p - prefix) + PREFIX_LEAST);
     return true;
 }
 
@@ -157,7 +159,7 @@ static bool misfit(const char *t, size_t n, const char *unit, char *why)
         snprintf(why, UNIT_REASON, "the unit \"%.*s\" does not fit; did you mean %s?", (int)n, t, near);
     else
         snprintf(why, UNIT_REASON, "the unit \"%.*s\" does not fit; give %s%s%s%s", (int)n, t, unit,
-                 strcmp(unit, "kg") ? ", or it with a prefix f p n u m k M G" : ", g, mg, ..",
+                 strcmp(unit, "kg") ? ", or it with a prefix z a f p n u m k M G" : ", g, mg, ..",
                  other ? ", or " : "", other ? other : "");
     return false;
 }
@@ -253,9 +255,9 @@ static void write_number(double value, const char *unit, bool prefixed, char tex
     int exponent = shortest(value, full), digits = (int)strcspn(full, "e");
     int step = (exponent + 30) / 3 - 10; /* thousands, rounded down */
     bool zero = !(value < 0.0) && !(value > 0.0);
-    if (prefixed && !zero && step >= -5 && step <= 3 && step != 0) {
+    if (prefixed && !zero && step >= PREFIX_LEAST && step <= 3 && step != 0) {
         move_point(full, exponent - 3 * step, moved);
-        snprintf(text, UNIT_TEXT, "%s %c%s", moved, prefix[step + 5], unit);
+        snprintf(text, UNIT_TEXT, "%s %c%s", moved, prefix[step - PREFIX_LEAST], unit);
         return;
     }
     digits -= digits > 1 ? (strchr(full, '.') != NULL) + (*full == '-') : 0;
@@ -267,7 +269,8 @@ static void write_number(double value, const char *unit, bool prefixed, char tex
 
 void unit_write(double value, const char *unit, char text[UNIT_TEXT])
 {
-    bool prefixed = !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz");
+    bool prefixed = !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz") ||
+                    !strcmp(unit, "J");
     write_number(value, unit, prefixed, text);
 }
 

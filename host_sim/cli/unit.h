@@ -1,11 +1,11 @@
 /* unit.h - numbers with units as text: `6.5 kg`, `254 um`, `1.5e-3`.
  *
  * A unit is one of those of the tables (kg, N/m^1.5, N s/m, ..), or such a one with a decimal prefix before
- * its first symbol: f p n u m k M G (kg: on the gram). Blanks in it may be left out. Other units are taken
- * where they measure the same: kg/s for N s/m, deg for rad, rpm for Hz, min for s, % for a number without a
- * unit. "1" and "" take a bare number. The prefix moves the decimal exponent before the conversion, so that
- * 254 um is the double nearest to 2.54e-4, and what unit_write gives reads back to the last bit. There is no
- * -0: it is read as 0. */
+ * its first symbol: z a f p n u m k M G (kg: on the gram). Blanks in it may be left out. Other units are
+ * taken where they measure the same: kg/s for N s/m, deg for rad, rpm for Hz, min for s, % for a number
+ * without a unit. "1" and "" take a bare number. The prefix moves the decimal exponent before the conversion,
+ * so that 254 um is the double nearest to 2.54e-4, and what unit_write gives reads back to the last bit.
+ * There is no -0: it is read as 0. */
 #ifndef HOST_SIM_UNIT_H
 #define HOST_SIM_UNIT_H
 

@@ -6,6 +6,7 @@
 #include "host_sim/fit/fitted.h"
 #include "host_sim/fit/judge.h"
 #include "host_sim/fit/levels.h"
+#include "host_sim/fit/progress.h"
 #include "host_sim/fit/read.h"
 #include "host_sim/fit/show/picture.h"
 #include "host_sim/replay/decode_signals.h"
@@ -84,10 +85,13 @@ static int fit_and_tell(struct fit_setup *s)
 {
     static struct judged j;
     struct fit_result r;
-    clock_catch_signals();
-    if (!starts_fit(s, &r))
-        return options_failure(s->o.usage,
-                               "no plant near this start runs at these frequencies; give another scene");
+    bool found = starts_fit(s, &r);
+    progress_clear(s);
+    if (!found)
+        return options_failure(
+            s->o.usage, clock_interrupted()
+                            ? "interrupted before the fit from the first start had ended: nothing is found"
+                            : "no plant near this start runs at these frequencies; give another scene");
     judge_fit(s, &r, &j);
     tell_fit(s, &r, &j, stdout);
     int status = picture_write(s, &r, &j), concluded = conclude(s, &r, &j);
@@ -102,6 +106,7 @@ int cmd_fit(int argc, char **argv)
     if (!options_parse(&s.o, &fit_usage, argc, argv, &status))
         return status;
     status = fit_read(&s);
+    clock_catch_signals();
     if (!status)
         status = options_given(&s.o, "plan") ? levels_tell(&s) : fit_and_tell(&s);
     fit_free(&s);

@@ -65,7 +65,8 @@ struct fit_setup {
     int n_residuals;
     struct fit_point *point[CURVES]; /* [curve.n], of the last residuals */
     bool smooth[CURVES];             /* there is no jump in them, and they may go on from there */
-    double told_s, begun_s;          /* progress */
+    double told_s;                   /* progress */
+    bool told;                       /* and stands on the terminal */
 };
 
 /* It belongs to a record, and is not told. */

@@ -198,7 +198,9 @@ static void judge_starts(const struct fit_result *r, struct judged *j)
     else if (r->agree < 2 && r->starts > 1)
         add(&j->n, j->reason, "no second start of %d ends here: this may be a wrong minimum", r->starts);
     if (r->interrupted)
-        add(&j->n, j->reason, "interrupted after %d of %d starts", r->starts, FIT_STARTS);
+        add(&j->n, j->reason,
+            "interrupted after %d of %d starts: the others, profiles and a further curve are left out",
+            r->starts, FIT_STARTS);
 }
 
 void judge_fit(struct fit_setup *s, const struct fit_result *r, struct judged *j)

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "host_sim/cli/clock.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/fit/motion/linear.h"
 #include "host_sim/fit/plan.h"
@@ -90,6 +91,8 @@ static int tell_row(struct fit_setup *s, const double *u, double frequency_Hz, d
     bool room = (!(a > 0.0) || add_curve(s, frequency_Hz, a)) && add_curve(s, frequency_Hz, b);
     bool known = room && plan_fill(s, u, noise) && starts_spread(s, &r);
     drop_curves(s);
+    if (clock_interrupted())
+        return options_failure(s->o.usage, "interrupted: the rows after these are left out");
     print_row(s, &r, known, drives);
     return room ? 0 : options_failure(s->o.usage, "out of memory");
 }

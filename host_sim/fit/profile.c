@@ -9,8 +9,14 @@
 #include "host_sim/fit/solve/unknown.h"
 
 enum { MIDDLE = PROFILE_POINTS / 2 };
-static const double reach = 3.0;         /* standard deviations to both sides */
 static const double rise_95 = 3.8414588; /* quantile of chi^2 with one degree of freedom */
+
+/* Unknown k moves by `step`, and the others as the slopes at the minimum have them follow. */
+static void go(const struct fit_setup *s, const struct fit_result *r, int k, double step, double *u)
+{
+    for (int i = 0; i < s->n; i++)
+        u[i] += r->covariance[i][k] / r->covariance[k][k] * step;
+}
 
 /* From the middle outwards, each point from the one before. */
 static void walk(struct fit_setup *s, const struct fit_result *r, struct profile *p, int by)
@@ -19,13 +25,17 @@ static void walk(struct fit_setup *s, const struct fit_result *r, struct profile
     double u[FIT_UNKNOWNS];
     int steps;
     memcpy(u, r->u, sizeof u);
-    for (int i = MIDDLE + by; i >= 0 && i < PROFILE_POINTS && !clock_interrupted(); i += by) {
-        p->u[i] = u[p->unknown] = r->u[p->unknown] + reach * r->sd[p->unknown] * (i - MIDDLE) / MIDDLE;
+    for (int i = MIDDLE + by; i >= 0 && i < PROFILE_POINTS; i += by) {
+        go(s, r, p->unknown, (double)PROFILE_REACH * r->sd[p->unknown] * by / MIDDLE, u);
+        p->u[i] = u[p->unknown];
         if (u[p->unknown] < unknown_u(x, x->min) || u[p->unknown] > unknown_u(x, x->max))
             return;
         s->held = &s->unknown[p->unknown];
-        p->rise[i] = fmax(problem_solve(s, PROBLEM_PLAIN, u, &steps) - r->chi2, 0.0) / levers_widening(s);
+        double chi2 = problem_solve(s, PROBLEM_PLAIN, u, &steps);
         s->held = NULL;
+        if (clock_interrupted())
+            return;
+        p->rise[i] = fmax(chi2 - r->chi2, 0.0) / levers_widening(s);
     }
 }
 
@@ -42,7 +52,7 @@ static bool find_crossing(const struct profile *p, int by, double *u)
     return false;
 }
 
-void profile_find(struct fit_setup *s, const struct fit_result *r, int k, struct profile *p)
+bool profile_find(struct fit_setup *s, const struct fit_result *r, int k, struct profile *p)
 {
     *p = (struct profile){.unknown = k};
     for (int i = 0; i < PROFILE_POINTS; i++)
@@ -53,4 +63,5 @@ void profile_find(struct fit_setup *s, const struct fit_result *r, int k, struct
     walk(s, r, p, 1);
     p->crossed[0] = find_crossing(p, -1, &p->low);
     p->crossed[1] = find_crossing(p, 1, &p->high);
+    return !clock_interrupted();
 }

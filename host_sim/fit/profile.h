@@ -6,7 +6,7 @@
 
 #include "host_sim/fit/starts.h"
 
-enum { PROFILE_POINTS = 17 };
+enum { PROFILE_POINTS = 17, PROFILE_REACH = 3 }; /* the reach in standard deviations, to both sides */
 
 struct profile {
     int unknown;
@@ -15,7 +15,8 @@ struct profile {
     double low, high;                               /* u, where it does */
 };
 
-/* The profile of unknown k, within three standard deviations. */
-void profile_find(struct fit_setup *s, const struct fit_result *r, int k, struct profile *p);
+/* The profile of unknown k, within its reach. False: the user stopped it, and it has fewer
+ * points. */
+bool profile_find(struct fit_setup *s, const struct fit_result *r, int k, struct profile *p);
 
 #endif

@@ -76,7 +76,7 @@ static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT
         for (int k = 0; k < s->n; k++)
             at[i][k] = u[k] + reach * direction[k] * (2.0 * i / (LINE - 1) - 1.0);
         adjust_starts(s, at[i]);
-        cost[i] = clock_interrupted() ? HUGE_VAL : problem_residuals(&p, at[i], r);
+        cost[i] = problem_residuals(&p, at[i], r);
         progress_tell(s, "looks for starts", i + 1, LINE);
     }
     for (bool found = r; found && n < MINIMA;) {
@@ -199,18 +199,21 @@ static void compare_ends(const struct fit_setup *s, struct fit_result *r, double
     }
 }
 
-/* Fits from every place until the user stops. */
+/* Fits from every place until the user stops: the fit that was going on then is none. */
 static void fit_all(struct fit_setup *s, struct fit_result *r, struct ends *e, double (*place)[FIT_UNKNOWNS])
 {
     e->best = -1;
-    for (; r->starts < FIT_STARTS && !(e->best >= 0 && clock_interrupted()); r->starts++) {
+    for (; r->starts < FIT_STARTS; r->starts++) {
         int i = r->starts;
         e->chi2[i] = fit_from(s, e, i, place);
+        if (clock_interrupted())
+            break;
         if (isfinite(e->chi2[i]) && (e->best < 0 || e->chi2[i] < e->chi2[e->best]))
             e->best = i;
         progress_tell(s, "fits from start", i + 1, FIT_STARTS);
     }
     r->interrupted = r->starts < FIT_STARTS;
+    s->task.to_the_end = true;
 }
 
 /* The motions, residuals and spread of the result. */
@@ -224,7 +227,7 @@ static bool look(struct fit_setup *s, struct fit_result *r)
     memset(s->smooth, 0, sizeof s->smooth);
     (void)problem_residuals(&p, r->u, residual);
     noise_estimate(s, residual);
-    if (!s->noise_known)
+    if (!s->noise_known && !r->interrupted)
         (void)problem_solve(s, PROBLEM_PLAIN, r->u, &steps);
     r->chi2 = problem_residuals(&p, r->u, residual);
     free(residual);

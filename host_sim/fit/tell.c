@@ -220,7 +220,7 @@ void tell_fit(struct fit_setup *s, const struct fit_result *r, const struct judg
     if (s->n - hidden > 1 && largest(s, r->sd) > weak) {
         if (!tell_direction(s, r, f))
             tell_together(s, r, f);
-        if (s->data.n)
+        if (s->data.n && !r->interrupted)
             tell_plan(s, r, f);
     }
     if (s->levers.n)

@@ -128,7 +128,7 @@ static bool read_value(struct test_reader *r, struct test_expect *e, struct word
     metric_unit(r->test->scene.model, e->what.kind, e->what.signal, unit);
     size_t n = strlen(unit);
     bool equal =
-        n < w.n && !memcmp(w.at + w.n - n, unit, n) && !strchr("fpnumkMG\xB5\xBC", w.at[w.n - n - 1]);
+        n < w.n && !memcmp(w.at + w.n - n, unit, n) && !strchr("zafpnumkMG\xB5\xBC", w.at[w.n - n - 1]);
     if (!prefix_allowed(unit) && !equal)
         return test_wrong(r, "expect: \"%.*s\": give a number in %s, without a prefix", scene_text_shown(w),
                           w.at, unit);

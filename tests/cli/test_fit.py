@@ -333,8 +333,8 @@ def test_records():
 
 def off_lever(text, lever=LEVER):
     got = table(text)
-    for name, value, prefix in re.findall(r"^  (\w+) +(\S+) ([kMG]?)Hz", text, re.M):
-        got[name] = (float(value) * {"k": 1e3, "M": 1e6}.get(prefix, 1), got[name][1])
+    for name, value, prefix in re.findall(r"^  (\w+) +(\S+) ([zakMG])(?:Hz|J)", text, re.M):
+        got[name] = (float(value) * {"z": 1e-21, "a": 1e-18, "k": 1e3, "M": 1e6}[prefix], got[name][1])
     return max(abs(math.log(got[k][0] / lever[k])) / got[k][1] for k in got if k in lever)
 
 
@@ -342,7 +342,7 @@ def test_levers():
     put("heat.csv", heat_text(LEVER, 60, 3))
     put("curve.csv", curve_text(LEVER, 20e-12, 3e-9, 4))
     scene = run("scene", "tapping").stdout
-    for name, value in (("f0", "70 kHz"), ("stiffness", "2 N/m"), ("quality", "400"), ("hamaker", "6.4e-20 J"), ("hamaker_out", "6.4e-20 J"), ("modulus", "1e+09 Pa")):
+    for name, value in (("f0", "70 kHz"), ("stiffness", "2 N/m"), ("quality", "400"), ("hamaker", "64 zJ"), ("hamaker_out", "64 zJ"), ("modulus", "1e+09 Pa")):
         factor = {"f0": "40 kHz", "stiffness": "3.9 N/m", "quality": "290", "hamaker": "1.2e-19 J", "hamaker_out": "1.2e-19 J", "modulus": "5.2e8 Pa"}[name]
         scene = re.sub(r"^%s = %s " % (name, re.escape(value)), "%s = %s " % (name, factor), scene, flags=re.M)
     put("lever.ini", scene)
@@ -373,6 +373,17 @@ def test_plant_levers():
     verdict("a lever from its plant's own thermal and approach: what was put in", r.returncode == 0 and off_lever(r.stdout, true) < 1.5 and len(table(r.stdout)) == 6, told(r))
     other = run("fit", "soft", "--thermal", "heat.csv", "--curve", "curve.csv")
     verdict("  .csv and .tab tell the same", all(abs(table(other.stdout)[k][0] / v - 1) < 1e-3 for k, (v, _) in table(r.stdout).items()), told(other))
+
+
+def test_guide():
+    """What the page says that its commands print: the lines that are indented by six, and what follows them."""
+    printed = [run(*words.split()) for words in ("thermal soft --seconds 20 --out heat.csv", "approach soft --tab curve.tab --out curve.csv", "fit soft --thermal heat.csv --curve curve.tab",
+                                                 "fit rig.ini --sweep small.csv", "fit rig.ini --plan")]
+    lines = [" ".join(line.split()) for r in printed for line in r.stdout.splitlines()]
+    with open(os.path.join(here, "../../docs/guide/fit.md")) as f:
+        shown = re.findall(r"^ {6}.*|^    (?:rig.ini: |chi|\d of|these|a further).*", f.read(), re.M)
+    differ = [line for line in shown if not any(text.startswith(" ".join(line.rstrip(".").split())) for text in lines)]
+    verdict("the guide shows what its commands print: %d lines" % len(shown), len(shown) > 12 and not differ, differ)
 
 
 def test_bad_levers():
@@ -535,16 +546,35 @@ def test_bad_data():
         verdict("bad data, %s: %s" % (name, words), r.returncode == 2 and r.stderr.count("\n") == 1 and at in r.stderr and words in r.stderr and not r.stdout and not exists("no.ini"), told(r))
 
 
+def interrupt(words, begun):
+    """Status, stdout and terminal of a command that gets Ctrl-C when `begun` stands on its terminal."""
+    terminal, slave = os.openpty()
+    p = subprocess.Popen([program, "fit", *words], stdout=subprocess.PIPE, stderr=slave, text=True, cwd=directory)
+    os.close(slave)
+    err = ""
+    while begun not in err:
+        err += os.read(terminal, 4096).decode()
+    p.send_signal(signal.SIGINT)
+    out, _ = p.communicate(timeout=120)
+    try:
+        while True:
+            err += os.read(terminal, 4096).decode()
+    except OSError:
+        os.close(terminal)  # all is read
+    return p.returncode, out, err
+
+
 def test_interrupted():
-    """A fit of long records, and Ctrl-C in it: what was found is told."""
+    """Ctrl-C in the search and in profiles: what is left out is told, and the rest is there."""
     rows = record(18000, 2e-4, 3e-6, 2, 230, 2e-8, 5)
     put("long.csv", "# noise = 20 nm\ntime_s,displacement_m,force_N\n" + "".join("%.9g,%.9g,%.9g\n" % row for row in rows))
-    p = subprocess.Popen([program, "fit", "rig.ini", "--series", "long.csv", "--out", "no.ini"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory)
-    progress = p.stderr.readline()  # after ten seconds: it is at work then
-    p.send_signal(signal.SIGINT)
-    out, err = p.communicate(timeout=120)
-    verdict("progress of a long fit is told", re.match(r"contactplant fit: (looks for starts|fits from start) \d+ of \d+$", progress.strip()), progress)
-    verdict("Ctrl-C: what was found is told, status 1, no file", p.returncode == 1 and "mass" in out and "interrupted after" in err and not exists("no.ini"), (out + err)[-600:])
+    status, out, err = interrupt(("rig.ini", "--series", "long.csv"), "looks for starts ")
+    verdict("Ctrl-C in a run, before a start has ended: one line, status 1", status == 1 and not out and err.count("\n") == 1 and "nothing is found" in err, (status, out, err))
+    status, out, err = interrupt(("rig.ini", "--series", "long.csv", "--out", "no.ini"), "fits from start ")
+    verdict("  behind one: what was found is told, status 1, no file", status == 1 and "mass" in out and "interrupted after" in err and not exists("no.ini"), (status, out + err))
+    verdict("  and the line of progress is cleared", re.search(r"of \d+ +\r {60}\rcontactplant fit: ", err), repr(err))
+    status, out, err = interrupt(("rig.ini", "--sweep", "small.csv", "--sweep", "large.csv", "--svg", "cut.svg", "--out", "whole.ini"), "profiles ")
+    verdict("Ctrl-C in profiles: told, status 1, picture and scene", status == 1 and re.search(r"interrupted: \d of 4 profiles are not whole", err) and "mass" in out and exists("cut.svg") and exists("whole.ini"), (status, out, err))
 
 
 def test_bad_lines():
@@ -562,7 +592,7 @@ def test_bad_lines():
 for name in ("rig.ini", "small.csv", "large.csv"):
     put(name, open(os.path.join(data, name)).read())
 put("true.ini", open(os.path.join(data, "rig.ini")).read().replace("6.5 kg", "6.1 kg").replace("3.4e9", "3.9e9").replace("64 N", "80 N").replace("188 N", "150 N"))
-for part in (test_numbers, test_forms, test_records, test_logs, test_ended_logs, test_levers, test_plant_levers, test_bad_levers, test_plan, test_pictures, test_sweep, test_bad_data, test_bad_lines):
+for part in (test_numbers, test_forms, test_records, test_logs, test_ended_logs, test_levers, test_plant_levers, test_guide, test_bad_levers, test_plan, test_pictures, test_sweep, test_bad_data, test_bad_lines):
     part()
 for part in (test_together, test_plant_logs, test_refused, test_interrupted) if "--all" in sys.argv else ():  # a minute more
     part()

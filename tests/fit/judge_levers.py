@@ -17,7 +17,7 @@ from verdicts import check, conclude  # noqa: E402
 program, levers = os.path.abspath(sys.argv[1]), int(sys.argv[2])
 directory = tempfile.mkdtemp(prefix="contactplant-levers-")
 UNITS = {"f0": "Hz", "stiffness": "N/m", "quality": "", "hamaker": "J", "hamaker_out": "J", "modulus": "Pa"}
-PREFIX = {"": 1, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+PREFIX = {"": 1, "z": 1e-21, "a": 1e-18, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 
 
 def put(name, text):
@@ -41,7 +41,7 @@ def fitted():
     """Numbers of the fitted scene, SI."""
     with open(os.path.join(directory, "f.ini")) as f:
         text = f.read()
-    found = {n: re.search(r"^%s = (\S+) ?([mkMG]?)%s " % (n, re.escape(u)), text, re.M) for n, u in UNITS.items()}
+    found = {n: re.search(r"^%s = (\S+) ?([zamkMG]?)%s " % (n, re.escape(u)), text, re.M) for n, u in UNITS.items()}
     return {n: float(m[1]) * PREFIX[m[2]] for n, m in found.items()}
 
 

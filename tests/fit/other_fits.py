@@ -20,7 +20,7 @@ from verdicts import check, conclude  # noqa: E402
 
 program, data = (os.path.abspath(p) for p in sys.argv[1:3])
 directory = tempfile.mkdtemp(prefix="contactplant-other-")
-PREFIX = {"": 1, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+PREFIX = {"": 1, "z": 1e-21, "a": 1e-18, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 START = {"mass": (6.5, "kg"), "stiffness": (3.4e9, "N/m^1.5"), "preload": (64.0, "N"), "damping": (188.0, "N s/m")}
 
 
@@ -38,7 +38,7 @@ def fit(model, units, *words):
     r = subprocess.run([program, "fit", scene, *words, "--out", "f.ini", "--force"], capture_output=True, text=True, cwd=directory, timeout=300)
     with open(os.path.join(directory, "f.ini")) as f:
         text = f.read()
-    found = {n: re.search(r"^%s = (\S+) ?([mkMG]?)%s " % (n, re.escape(u)), text, re.M) for n, u in units.items()}
+    found = {n: re.search(r"^%s = (\S+) ?([zamkMG]?)%s " % (n, re.escape(u)), text, re.M) for n, u in units.items()}
     widths = {n: float(w) / 100 for n, w in re.findall(r"^  (\S+) .* \+- (\S+) % +\+- \S+ %", r.stdout, re.M)}
     return {n: float(m[1]) * PREFIX[m[2]] for n, m in found.items()}, widths, r
 

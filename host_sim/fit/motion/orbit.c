@@ -5,6 +5,7 @@
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
+#include "host_sim/cli/clock.h"
 #include "host_sim/fit/solve/matrix.h"
 #include "models/math/elementary.h"
 
@@ -26,6 +27,11 @@ struct period {
     int ticks;
     double cosine[TICKS_MOST + 1], sine[TICKS_MOST + 1]; /* phasor of the drive at tick 1 to ticks */
 };
+
+bool orbit_stopped(const struct orbit_task *t)
+{
+    return !t->to_the_end && clock_interrupted();
+}
 
 const char *orbit_contact(const struct orbit_task *t, double *contact_Hz)
 {
@@ -124,6 +130,8 @@ void orbit_differentiate(int n, double omega, double *re, double *im)
 static bool run(struct orbit_task *t, struct period *q, struct orbit *o, const double *x, double *to)
 {
     double output[MODEL_OUTPUTS];
+    if (orbit_stopped(t))
+        return false;
     begin(t, &q->pl, o->frequency_Hz, x);
     o->re = o->im = 0.0;
     t->periods++;
@@ -142,7 +150,7 @@ static bool run(struct orbit_task *t, struct period *q, struct orbit *o, const d
 bool orbit_settle(struct orbit_task *t, struct orbit *o, int periods)
 {
     struct period q;
-    if (set_up(t, o->frequency_Hz, &q))
+    if (orbit_stopped(t) || set_up(t, o->frequency_Hz, &q))
         return false;
     begin(t, &q.pl, o->frequency_Hz, o->x);
     t->periods += (uint64_t)periods;

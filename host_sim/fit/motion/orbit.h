@@ -23,6 +23,7 @@ struct orbit_task {
     double si[MODEL_PARAMETERS];
     double amplitude; /* amplitude of the drive, the input's unit */
     uint64_t periods; /* that were computed so far */
+    bool to_the_end;  /* runs go on after the user's wish to stop: what was found is told */
 };
 
 struct orbit {
@@ -32,6 +33,9 @@ struct orbit {
     double map[ORBIT_STATES][ORBIT_STATES];
     double re_x[ORBIT_STATES], im_x[ORBIT_STATES]; /* its slopes over x */
 };
+
+/* The user wants an end: every run of the plant fails from now on. */
+bool orbit_stopped(const struct orbit_task *t);
 
 /* The eigenfrequency of its closed contact, and its plant with ticks of this length. NULL, or why there is no
  * such plant. */

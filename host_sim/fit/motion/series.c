@@ -50,7 +50,7 @@ bool series_run(const struct orbit_task *t, const struct record *r, const double
         if (i + 1 == r->n)
             break;
         drive(&pl, t, r, i, gain, ticks);
-        if (!plant_run(&pl, (uint64_t)ticks))
+        if (orbit_stopped(t) || !plant_run(&pl, (uint64_t)ticks))
             return false;
     }
     return true;

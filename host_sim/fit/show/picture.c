@@ -14,6 +14,7 @@
 #include "models/math/elementary.h"
 
 enum { CURVE_PX = 150, RESIDUAL_PX = 70, PHASE_PX = 80, PROFILE_PX = 90 };
+enum { DASHES = 95 }; /* points of a parabola, each fourth is a gap */
 
 /* Columns of numbers of one curve or record. */
 struct columns {
@@ -178,19 +179,21 @@ static void draw_profile(struct figure *g, const struct fit_setup *s, const stru
                          const struct profile *p)
 {
     const struct fit_unknown *k = &s->unknown[p->unknown];
-    double x[PROFILE_POINTS], parabola[PROFILE_POINTS];
+    double x[PROFILE_POINTS], at[DASHES], parabola[DASHES];
     char title[FIGURE_TEXT];
-    for (int i = 0; i < PROFILE_POINTS; i++) {
-        double off = (p->u[i] - r->u[p->unknown]) / r->sd[p->unknown];
+    for (int i = 0; i < PROFILE_POINTS; i++)
         x[i] = isfinite(p->u[i]) ? unknown_value(k, p->u[i]) : (double)NAN;
-        parabola[i] = off * off;
+    for (int i = 0; i < DASHES; i++) {
+        double off = PROFILE_REACH * (2.0 * i / (DASHES - 1) - 1.0);
+        at[i] = unknown_value(k, r->u[p->unknown] + off * r->sd[p->unknown]);
+        parabola[i] = i % 4 == 3 ? (double)NAN : off * off;
     }
-    struct columns c = {.n = PROFILE_POINTS, .x = x};
+    struct columns c = {.n = PROFILE_POINTS, .x = x}, slopes = {.n = DASHES, .x = at};
     snprintf(title, sizeof title, "chi^2 above its least, over %s", k->name);
     figure_axis(g, &(struct figure_axis){k->name, k->unit, 0.0, 0.0, false});
     figure_panel(g, title, "", PROFILE_PX);
     put(g, FIGURE_LINE, "profile", CHART_BLUE, &c, p->rise);
-    put(g, FIGURE_LINE, "from the slopes", CHART_GREY, &c, parabola);
+    put(g, FIGURE_LINE, "from the slopes, dashed", CHART_GREY, &slopes, parabola);
 }
 
 /* A bound of the interval by the profile, or a blank. */
@@ -219,22 +222,31 @@ static void put_row(struct html *h, const struct fit_setup *s, const struct fit_
     put_bound(h, s, r, p, true);
 }
 
-static void draw_profiles(struct figure *g, struct fit_setup *s, const struct fit_result *r)
+/* 0, or the exit status of an interruption, which is told. */
+static int draw_profiles(struct figure *g, struct fit_setup *s, const struct fit_result *r)
 {
     static struct profile p[FIT_UNKNOWNS];
     struct html *h = figure_page(g);
-    int n = 0;
+    int n = 0, whole = 0;
+    s->task.to_the_end = false;
     for (int k = 0; k < s->n; k++)
         if (!fit_is_hidden(&s->unknown[k])) {
-            profile_find(s, r, k, &p[n++]);
+            whole += profile_find(s, r, k, &p[n++]);
             progress_tell(s, "profiles", k + 1, s->n);
         }
+    s->task.to_the_end = true;
+    progress_clear(s);
+    if (h && whole < n)
+        html_words(h, "Interrupted: %d of %d profiles are not whole.", n - whole, n);
     for (int i = 0; i < n; i++)
         draw_profile(g, s, r, &p[i]);
     if (h)
         html_table(h, "Unknowns", "name,value,95 % from slopes,95 % by the profile: from,to");
     for (int i = 0; i < n && h; i++)
         put_row(h, s, r, &p[i]);
+    return whole == n || r->interrupted
+               ? 0
+               : options_failure(s->o.usage, "interrupted: %d of %d profiles are not whole", n - whole, n);
 }
 
 /* ---- all of it ---- */
@@ -266,9 +278,8 @@ int picture_write(struct fit_setup *s, const struct fit_result *r, const struct 
             put_words(figure_page(&g), j);
         if (!draw_data(&g, s, r, residual))
             status = options_failure(s->o.usage, "out of memory");
-        draw_profiles(&g, s, r);
-        int ended = figure_end(&g, &s->o);
-        status = status ? status : ended;
+        int profiles = draw_profiles(&g, s, r), ended = figure_end(&g, &s->o);
+        status = status ? status : ended ? ended : profiles;
     }
     free(residual);
     return status;

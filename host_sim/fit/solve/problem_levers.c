@@ -100,6 +100,8 @@ double problem_levers_residuals(const struct problem *p, const double *u, double
     set_up(p->s, u, &at);
     for (int j = 0; j < p->s->levers.n; j++)
         for (int i = 0; i < p->s->levers.data[j].n; i++) {
+            if (orbit_stopped(&p->s->task))
+                return HUGE_VAL;
             *r = residual_at(&at, &p->s->levers.data[j], i, !p->s->levers.sides_known);
             cost += *r * *r;
             r++;

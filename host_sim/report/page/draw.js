@@ -5,15 +5,15 @@
 "use strict";
 
 const {abs, ceil, floor, log10, max, min, round} = Math, finite = Number.isFinite;
-const PREFIXES = ["f", "p", "n", "µ", "m", "", "k", "M", "G"];
+const PREFIXES = ["z", "a", "f", "p", "n", "µ", "m", "", "k", "M", "G"];
 const SCALED = ["m", "m/s", "N", "J", "Hz", "s"];
 
 /* The factor and the name of the unit that suit numbers up to `largest`. */
 function unitFor(largest, unit) {
   if (!SCALED.includes(unit) || !(largest > 0))
     return {factor: 1, unit: unit === "1" ? "" : unit || ""};
-  const power = max(-5, min(unit === "s" ? 0 : 3, floor(log10(largest) / 3 + 1e-9)));
-  return {factor: 10 ** (-3 * power), unit: PREFIXES[power + 5] + unit};
+  const power = max(-7, min(unit === "s" ? 0 : 3, floor(log10(largest) / 3 + 1e-9)));
+  return {factor: 10 ** (-3 * power), unit: PREFIXES[power + 7] + unit};
 }
 
 /* A number in `digits` significant digits. */
