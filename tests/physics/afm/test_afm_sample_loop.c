@@ -8,101 +8,27 @@
 #include <string.h>
 #include "firmware/afm/afm_plant.h"
 #include "firmware/afm/station.h"
+#include "tests/fixture/afm/averaged.h"
 #include "tests/fixture/afm/plant_bus.h"
 #include "tests/fixture/bus.h"
 #include "tests/fixture/imaginary.h"
 
 #define PI 3.14159265358979323846
 
-enum { PERIOD = 16 /* samples */, CIRCLE_POINTS = 4096, HARMONICS = 40, ROUNDS = 8 };
+enum { PERIOD = 16 /* samples */ };
 
 static struct station station;
 static double si[LEVER_PARAMETERS], number[STATION_NUMBERS];
 
-/* ---- closed form ----
- *
- * The motion is x = a cos(w0 t - lag) and little else. Let f(a, z) = 2 <F cos> of the tip's force, averaged
- * over a period, and tau = 2 Q/w0. Then
- *
- *   a' = -a/tau + (A0/tau) sin(lag)
- *   lag' = (A0/(tau a)) cos(lag) + w0 f/(2 k a)
- *
- * Around rest, for a sample that takes no energy, z leads to the amplitude by
- *
- *   G(s) = c f_z/((s + 1/tau)^2 - c f_a),   c = A0 cos(lag) w0/(2 k a tau)
- *
- * Contact couples amplitude and phase. In place of the pole at 1/tau there is a pair at -1/tau +- i W with
- * W^2 = -c f_a. */
-
-static double tip_force(double gap)
-{
-    double a0 = si[LEVER_A0], H = si[LEVER_HAMAKER], R = si[LEVER_RADIUS], in = a0 - gap;
-    return in < 0.0 ? -H * R / (6.0 * gap * gap)
-                    : -H * R / (6.0 * a0 * a0) + 4.0 / 3.0 * si[LEVER_MODULUS] * sqrt(R * in * in * in);
-}
-
-/* f of the motion a cos(th) + sum x_n cos(n th), n = 0, 2, 3, ..: the lever follows the other harmonics of
- * the force with x_n = F_n/(k (1 - n^2)). */
-static double first_harmonic(double a, double z)
-{
-    static double cosine[4 * CIRCLE_POINTS];
-    double x[HARMONICS] = {0.0, a}, f = 0.0;
-    for (int i = 0; i < 4 * CIRCLE_POINTS; i++)
-        cosine[i] = cos(PI * i / (2.0 * CIRCLE_POINTS));
-    for (int r = 0; r < ROUNDS; r++) {
-        double sum[HARMONICS] = {0.0};
-        for (int i = 0; i < CIRCLE_POINTS; i++) {
-            double place = z;
-            for (int n = 0; n < HARMONICS; n++)
-                place += x[n] * cosine[n * (2 * i + 1) % (4 * CIRCLE_POINTS)];
-            double force = tip_force(place) / CIRCLE_POINTS;
-            for (int n = 0; force != 0.0 && n < HARMONICS; n++)
-                sum[n] += (n > 0 ? 2.0 : 1.0) * force * cosine[n * (2 * i + 1) % (4 * CIRCLE_POINTS)];
-        }
-        f = sum[1];
-        for (int n = 0; n < HARMONICS; n++)
-            x[n] = n == 1 ? a : sum[n] / (si[LEVER_K] * (1.0 - n * n));
-    }
-    return f;
-}
-
-struct linear_form {
-    double tau, pair, f_z, f_a, z, lag; /* pair: W */
-};
-
-/* The rest at amplitude a, on the repulsive or the attractive branch: the first height, coming from above. */
-static struct linear_form linearise(double a, bool attractive)
-{
-    double k = si[LEVER_K], w0 = 2.0 * PI * si[LEVER_F0], A0 = number[STATION_DRIVE];
-    struct linear_form l = {.tau = 2.0 * si[LEVER_Q] / w0,
-                            .lag = attractive ? PI - asin(a / A0) : asin(a / A0)};
-    double wanted = -k * A0 / si[LEVER_Q] * cos(l.lag), step = 0.02e-9, high = a + 4e-9, h = 5e-12;
-    while ((first_harmonic(a, high - step) > wanted) != attractive)
-        high -= step;
-    double low = high - step;
-    for (int i = 0; i < 25; i++) {
-        double z = 0.5 * (low + high);
-        *((first_harmonic(a, z) > wanted) != attractive ? &high : &low) = z;
-    }
-    l.z = 0.5 * (low + high);
-    l.f_z = (first_harmonic(a, l.z + h) - first_harmonic(a, l.z - h)) / (2.0 * h);
-    l.f_a = (first_harmonic(a + h, l.z) - first_harmonic(a - h, l.z)) / (2.0 * h);
-    double c = A0 * cos(l.lag) * w0 / (2.0 * k * a * l.tau);
-    l.f_z *= c;
-    l.f_a *= c;
-    l.pair = sqrt(-l.f_a);
-    return l;
-}
-
 /* The least gain of an integrator for which the loop stands
  * at the edge of stability. Two poles of the lock-in. */
-static double ultimate_gain(const struct linear_form *l, double delay, double *hz)
+static double ultimate_gain(const struct averaged *l, double delay, double *hz)
 {
     double rate = 2.0 * PI * number[STATION_BANDWIDTH], least = (double)INFINITY, before = 0.0;
     *hz = (double)NAN;
     for (double w = 10.0; w < 2e4; w += 0.5) {
-        double complex s = i_unit * w, free = s + 1.0 / l->tau, pole = 1.0 + s / rate;
-        double complex loop = l->f_z / (free * free - l->f_a) / (pole * pole) / s * cexp(-s * delay);
+        double complex s = i_unit * w, pole = 1.0 + s / rate;
+        double complex loop = averaged_response(l, s) / (pole * pole) / s * cexp(-s * delay);
         bool edge = before * cimag(loop) < 0.0 && creal(loop) < 0.0;
         before = cimag(loop);
         if (edge && 1.0 / cabs(loop) < least) {
@@ -157,7 +83,7 @@ static void begin_sample(double hamaker, double setpoint)
     check_no_error("station", station_init(&station, &c));
 }
 
-static void one_delay(const struct station *engaged, const struct linear_form *l, double delay_s)
+static void one_delay(const struct station *engaged, const struct averaged *l, double delay_s)
 {
     double hz, closed = ultimate_gain(l, delay_s, &hz), low = 0.6 * closed, high = 1.6 * closed;
     for (int i = 0; i < 8; i++) {
@@ -177,7 +103,7 @@ static void over_sample(double hamaker, double setpoint, bool attractive)
     begin_sample(hamaker, setpoint);
     check_true("engaged", integrate(275.0, 1, lround(0.08 / station.sample_s), 0.0) < 1.5);
     struct station engaged = station;
-    struct linear_form l = linearise(setpoint, attractive);
+    struct averaged l = averaged_rest(si, number[STATION_DRIVE], setpoint, attractive);
     printf("      pair at %.0f Hz, slope %.3f\n", l.pair / 2.0 / PI, -l.f_z / l.f_a);
     check_near("height of the averaged rest, nm", (si[LEVER_HEIGHT] + station.in.z_m) * 1e9, l.z * 1e9, 5e-3);
     check_near("  its lag, rad", -demodulator_phase(&station.lockin[0]), l.lag, 0.02);
@@ -204,7 +130,7 @@ TEST(afm_z_loop_over_an_attractive_sample)
 enum { FRAME = 1120 /* samples */, STEPS = 400, FRAMES = 160 };
 static const double frame_s = 1e-3;
 
-static void rates(const struct linear_form *l, const double *x, double z, double *rate)
+static void rates(const struct averaged *l, const double *x, double z, double *rate)
 {
     double pole = 2.0 * PI * number[STATION_BANDWIDTH];
     rate[0] = x[1];
@@ -213,7 +139,7 @@ static void rates(const struct linear_form *l, const double *x, double z, double
     rate[3] = pole * (x[2] - x[3]);
 }
 
-static void step_linear(const struct linear_form *l, double from, double to, double *x)
+static void step_linear(const struct averaged *l, double from, double to, double *x)
 {
     double k[4][4], y[4], dt = frame_s / STEPS;
     const double part[4] = {0.0, 0.5, 0.5, 1.0};
@@ -237,7 +163,7 @@ static double growth_of(const double *error)
     return late / early;
 }
 
-static double linear_growth(const struct linear_form *l, double gain)
+static double linear_growth(const struct averaged *l, double gain)
 {
     double x[4] = {0.0}, error[FRAMES], z = 1e-12, before = 0.0;
     for (int i = 0; i < FRAMES; i++) {
@@ -256,7 +182,7 @@ static double linear_growth(const struct linear_form *l, double gain)
     return growth_of(error);
 }
 
-static double edge_of(const struct linear_form *l, double low, double high)
+static double edge_of(const struct averaged *l, double low, double high)
 {
     for (int i = 0; i < 20; i++) {
         double gain = sqrt(low * high);
@@ -297,7 +223,7 @@ TEST(afm_z_loop_over_the_bus)
 {
     double error[FRAMES];
     begin_sample(0.0, 14e-9);
-    struct linear_form l = linearise(14e-9, false);
+    struct averaged l = averaged_rest(si, number[STATION_DRIVE], 14e-9, false);
     double closed = edge_of(&l, 300.0, 4000.0), low = 0.7 * closed, high = 1.4 * closed;
     start_bus();
     double z = integrate_over_bus(275.0, 0.0, FRAMES, error);
