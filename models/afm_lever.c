@@ -8,8 +8,6 @@
 #include "models/math/elementary.h"
 #include "models/tip_law.h"
 
-#define BOLTZMANN 1.380649e-23
-
 /* A gap below this, in metres, is near the surface: there `modal` cuts its ticks. */
 #define NEAR_M 1.5e-9
 
@@ -317,7 +315,7 @@ static void prepare(const double *si, double *p, struct scale *s)
     p[P_HERTZ] = (4.0 / 3.0) * si[LEVER_MODULUS] * sqrt(si[LEVER_RADIUS] * L) * L / s->force_N;
     p[P_VISCOUS] = si[LEVER_VISCOSITY] * sqrt(si[LEVER_RADIUS] * L) / (k * s->time_s);
     p[P_HEIGHT] = si[LEVER_HEIGHT] / L;
-    p[P_HEAT] = sqrt(BOLTZMANN * si[LEVER_TEMPERATURE] / s->energy_J);
+    p[P_HEAT] = sqrt(BOLTZMANN_J_PER_K * si[LEVER_TEMPERATURE] / s->energy_J);
     p[P_SEED] = si[LEVER_SEED];
     p[P_NEAR] = si[LEVER_PERMANENT] != 0.0 ? 0.0 : NEAR_M / L;
     p[P_STIFFEST] = stiffest(p, si[LEVER_INDENTATION_MAX] / L);

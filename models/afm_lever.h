@@ -28,6 +28,8 @@
 extern const struct model afm_lever;
 
 /* Inputs, SI parameters and states, in the order of their tables. */
+#define BOLTZMANN_J_PER_K 1.380649e-23
+
 enum { LEVER_FORCE, LEVER_FORCE_2, LEVER_Z, LEVER_STIFFNESS, LEVER_INPUTS };
 enum {
     LEVER_F0,

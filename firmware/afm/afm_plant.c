@@ -19,6 +19,7 @@ struct afm {
     struct method_books books;
     uint32_t period, in_period;   /* samples in a period of the lever, and those of this one */
     double peak_N, peak_before_N; /* largest contact force in this period, and the one before */
+    double cycle[STAGE_SLOTS];    /* last one of peak force, SI, in the place of results of stages */
 };
 STATIC_ASSERT(sizeof(struct afm) <= METHOD_SCRATCH * sizeof(double), an_afm_fits);
 STATIC_ASSERT((int)AFM_PLANT_PARAMETERS <= (int)MODEL_PARAMETERS, its_parameters_fit);
@@ -245,11 +246,14 @@ static double recent_force(struct afm *a, double force_N)
 }
 
 /* Amplitude and phase of the tone, or what the last cycle of a swing says. */
-static void read_tone(const struct afm *a, double each, double *x)
+static void read_tone(struct afm *a, double each, double *x)
 {
     const struct station *s = &a->station;
     const struct force_cycle *c = &s->swing.cycle;
+    memset(a->cycle, 0, sizeof a->cycle);
     if (station_swings(s->number)) {
+        const double cycle[STAGE_SLOTS] = {c->snap_in_N, c->baseline_N, c->deformation_m, c->work_J};
+        memcpy(a->cycle, cycle, sizeof cycle);
         x[AFM_PLANT_AMPLITUDE] = c->adhesion_N / s->microscope.force_N;
         x[AFM_PLANT_PHASE] = c->fitted ? c->modulus_Pa / GIGA : 0.0;
         return;
@@ -259,7 +263,7 @@ static void read_tone(const struct afm *a, double each, double *x)
 }
 
 /* The readings after a sample, model units. */
-static void read(const struct afm *a, double force_N, double *x)
+static void read(struct afm *a, double force_N, double *x)
 {
     const struct station *s = &a->station;
     const struct microscope *m = &s->microscope;
@@ -536,9 +540,7 @@ static void sense(struct stages *s, struct plant *pl)
 
 static const double *results(const struct stages *s)
 {
-    static const double none[STAGE_SLOTS] = {0.0};
-    (void)s;
-    return none;
+    return ((const struct afm *)(const void *)s)->cycle;
 }
 
 static void replace(const struct stages *s, double *value)

@@ -19,6 +19,8 @@
  *   - The contact is closed as long as a force has touched the tip in the last period of the lever or the one
  *     before; contact_force is the largest of that time. A crash is counted.
  *   - A stage before z is the piezo, one behind displacement the sensor; there are no others.
+ *   - Where a lock-in slot of other plants reads the results of stages 0 to 3, it reads of the last cycle of
+ *     peak force its snap-in and baseline (N), deformation (m) and work (J).
  *   - Blocks of codes (DAC and ADC of the wire) have one sample a tick. DITHER is a force that is held, Z a
  *     straight line over the sample: those of contactplant_afm_sample. Codes are read behind the sensors.
  *   - The station keeps no books of energy: those of this plant are 0. */

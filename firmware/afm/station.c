@@ -6,8 +6,7 @@
 #include "firmware/plant/hash.h"
 #include "models/math/elementary.h"
 
-#define TWO_PI    (2.0 * ELEMENTARY_PI)
-#define BOLTZMANN 1.380649e-23
+#define TWO_PI (2.0 * ELEMENTARY_PI)
 
 const struct parameter station_number[STATION_NUMBERS] = {STATION_ROWS};
 
@@ -108,7 +107,8 @@ static double least_swing(const struct station_config *c)
 /* Four standard deviations of the thermal force up to the resonance: its density is 4 k_B T k/(Q w0). */
 static double thermal_force(const double *si)
 {
-    return 4.0 * sqrt(2.0 * BOLTZMANN * si[LEVER_TEMPERATURE] * si[LEVER_K] / (ELEMENTARY_PI * si[LEVER_Q]));
+    return 4.0 * sqrt(2.0 * BOLTZMANN_J_PER_K * si[LEVER_TEMPERATURE] * si[LEVER_K] /
+                      (ELEMENTARY_PI * si[LEVER_Q]));
 }
 
 static const char *check_swing(const struct station_config *c, int *which)

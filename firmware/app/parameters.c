@@ -42,12 +42,13 @@ static void overlay(const struct staged *staged, unsigned first, int n, const do
     }
 }
 
-/* A slot may measure an output of the model, or the result of a stage that is on. */
+/* A slot may measure an output of the model, or the result of a stage that is on. A plant without an equation
+ * of its own, a microscope, has cycles of peak force in their place (afm_plant.h). */
 static const char *check_lockin_output(const struct model *m, const double *setting, int output)
 {
     if (output < MODEL_OUTPUTS)
         return output < m->n_outputs ? NULL : "lock-in output: the model has fewer outputs";
-    return setting[SET_STAGE + STAGE_SETTINGS * (output - MODEL_OUTPUTS) + STAGE_AT] > 0.0
+    return !m->rhs || setting[SET_STAGE + STAGE_SETTINGS * (output - MODEL_OUTPUTS) + STAGE_AT] > 0.0
                ? NULL
                : "lock-in output: this stage is off";
 }

@@ -27,7 +27,8 @@
 #define OUTPUT(slot, initial)                                                                                \
     {                                                                                                        \
         "lockin_output_" slot, "", 0, MODEL_OUTPUTS + STAGE_SLOTS - 1, initial,                              \
-            "output that this lock-in slot measures; 12 to 15: result of stage 0 to 3"                       \
+            "output that this lock-in slot measures; 12 to 15: result of stage 0 to 3, of a microscope "     \
+            "snap-in, baseline, deformation, work"                                                           \
     }
 
 /* The faults of signal i, whose settings end in its unit. */
@@ -78,6 +79,10 @@
                   "of the resonance; above 0, at most 0.999"),                                               \
         STAGE_ROW(i, STAGE_SET_NOISE, "noise_density", "", 0, 1e9, 0,                                        \
                   "one-sided density of white noise, signal's unit per root hertz"),                         \
+        STAGE_ROW(i, STAGE_SET_CORNER, "noise_corner_Hz", "Hz", 0, 1e9, 0,                                   \
+                  "below it noise rises as 1/f from noise_density, 0: none"),                                \
+        STAGE_ROW(i, STAGE_SET_DRIFT, "drift_per_s", "", -1e9, 1e9, 0,                                       \
+                  "of the zero, signal's unit a second"),                                                    \
         STAGE_ROW(i, STAGE_SET_LAG, "lag_Hz", "Hz", 0, 1e10, 0, "corner frequency of a lag, 0: none"),       \
         STAGE_ROW(i, STAGE_SET_CLIP, "clip", "", 0, 1e10, 0,                                                 \
                   "largest magnitude, signal's unit, 0: no limit"),                                          \

@@ -12,6 +12,12 @@
 /* The first lag of a creep; each further one is sqrt(10) slower. */
 #define CREEP_FIRST_S 0.1
 
+/* The fastest pole of a 1/f noise, in corners; each further one is sqrt(10) slower, so its noise has the
+ * fourth root of 10 more before the lag. */
+#define FLICKER_FIRST  10.0
+#define FOURTH_ROOT_10 1.7782794100389228
+#define LN_SQRT_10     1.1512925464970228
+
 /* ---- set-up ---- */
 
 /* The values that a part may have. */
@@ -27,6 +33,9 @@ static const struct {
     [STAGE_RESONANCE] = {1e-6, 1e9, 1e-6, 0.999,
                          "stage: a resonance has 1e-6 to 1e9 Hz and a damping ratio of 1e-6 to 0.999"},
     [STAGE_NOISE] = {0.0, 1e9, 0.0, 0.0, "stage: a noise density is 0 to 1e9"},
+    [STAGE_FLICKER] = {1e-6, 1e9, 1e-30, 1e9,
+                       "stage: a 1/f noise has a corner of 1e-6 to 1e9 Hz and the noise density above 0"},
+    [STAGE_DRIFT] = {-1e9, 1e9, 0.0, 0.0, "stage: a drift is -1e9 to 1e9 a second"},
     [STAGE_LAG] = {1e-6, 1e12, 0.0, 0.0, "stage: a lag has a corner of 1e-6 to 1e12 Hz"},
     [STAGE_CLIP] = {0.0, 1e18, 0.0, 0.0, "stage: a clip is 0 to 1e18"},
     [STAGE_QUANTISER] = {1e-18, 1e18, 0.0, 0.0, "stage: a quantum is 1e-18 to 1e18"},
@@ -80,14 +89,28 @@ static double approached(double x)
     return x < 1e-3 ? x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0))) : 1.0 - exponential(-x);
 }
 
-static void prepare_creep(double *c, double tick_s, double share)
+/* Lags, each sqrt(10) slower than the one before. */
+static void prepare_lags(double *c, double tick_s, double lag_s)
 {
-    double lag_s = CREEP_FIRST_S;
     for (int i = 0; i < STAGE_LAGS; i++) {
         c[i] = approached(tick_s / lag_s);
         lag_s *= 3.16227766016837933;
     }
+}
+
+static void prepare_creep(double *c, double tick_s, double share)
+{
+    prepare_lags(c, tick_s, CREEP_FIRST_S);
     c[STAGE_LAGS] = 0.5 * share;
+}
+
+/* Words of 16 bits, evenly spread, through lags: each has the variance density^2 corner ln(sqrt(10)), and all
+ * together density^2 corner/f. */
+static void prepare_flicker(double *c, double tick_s, const struct stage_part *p)
+{
+    prepare_lags(c, tick_s, 1.0 / (TWO_PI * FLICKER_FIRST * p->a));
+    c[STAGE_LAGS] =
+        p->b * sqrt(12.0 / (65536.0 * 65536.0 - 1.0) * LN_SQRT_10 * 2.0 / (TWO_PI * FLICKER_FIRST * tick_s));
 }
 
 static void prepare(struct stage_element *e, const struct stage_part *p, double tick_s)
@@ -103,7 +126,9 @@ static void prepare(struct stage_element *e, const struct stage_part *p, double 
         prepare_creep(e->c, tick_s, p->a);
     else if (p->kind == STAGE_LAG)
         e->c[0] = exponential(-TWO_PI * p->a * tick_s);
-    else if (p->kind == STAGE_SLEW)
+    else if (p->kind == STAGE_FLICKER)
+        prepare_flicker(e->c, tick_s, p);
+    else if (p->kind == STAGE_SLEW || p->kind == STAGE_DRIFT)
         e->c[0] = p->a * tick_s;
     else if (p->kind == STAGE_NOISE)
         e->c[0] = p->a * sqrt(0.5 / tick_s);
@@ -167,6 +192,19 @@ static double run_creep(struct stage_element *e, double u)
     return u + e->c[STAGE_LAGS] * sum;
 }
 
+static double run_flicker(struct stage_element *e, uint64_t sequence, uint64_t tick, double u)
+{
+    double scale = e->c[STAGE_LAGS];
+    uint64_t word = 0;
+    for (int i = 0; i < STAGE_LAGS; i++) {
+        word = i % 4 ? word >> 16 : noise_word(sequence, 4 * tick + (uint64_t)i / 4);
+        e->x[i] += e->c[i] * (scale * ((double)(word & 0xFFFFu) - 32767.5) - e->x[i]);
+        u += e->x[i];
+        scale *= FOURTH_ROOT_10;
+    }
+    return u;
+}
+
 static double run_delay(struct stage *s, const struct stage_element *e, uint64_t tick, double u)
 {
     uint32_t whole = (uint32_t)e->c[0], at = (uint32_t)(tick % STAGE_RING);
@@ -182,6 +220,7 @@ static double run_delay(struct stage *s, const struct stage_element *e, uint64_t
 static double run_one(struct stage *s, int i, uint64_t tick, double u)
 {
     struct stage_element *e = &s->element[i];
+    uint64_t sequence = s->sequence + ((uint64_t)i << 28);
     switch (e->kind) {
     case STAGE_GAIN:
         return e->c[0] * u;
@@ -195,7 +234,12 @@ static double run_one(struct stage *s, int i, uint64_t tick, double u)
         run_resonance(e, &u, 1);
         return u;
     case STAGE_NOISE:
-        return u + e->c[0] * noise_deviate(noise_word(s->sequence + ((uint64_t)i << 28), tick));
+        return u + e->c[0] * noise_deviate(noise_word(sequence, tick));
+    case STAGE_FLICKER:
+        return run_flicker(e, sequence, tick, u);
+    case STAGE_DRIFT:
+        e->x[0] += 1.0;
+        return u + e->c[0] * e->x[0];
     case STAGE_LAG:
         return e->x[0] = u + e->c[0] * (e->x[0] - u);
     case STAGE_CLIP:
@@ -247,11 +291,13 @@ double stage_run(struct stage *s, double u)
 
 /* ---- rest and hash ---- */
 
-/* The state in which u passes for ever; the result but for noise. */
+/* The state in which u passes for ever; the result but for noise and drift. */
 static double settle_element(struct stage *s, int i, double u)
 {
     struct stage_element *e = &s->element[i];
     memset(e->x, 0, sizeof e->x);
+    if (e->kind == STAGE_NOISE || e->kind == STAGE_FLICKER || e->kind == STAGE_DRIFT)
+        return u;
     e->x[0] = u;
     for (int k = 1; e->kind == STAGE_HYSTERESIS && k < STAGE_PLAYS; k++)
         e->x[k] = u;
@@ -261,7 +307,7 @@ static double settle_element(struct stage *s, int i, double u)
     }
     for (int k = 0; e->kind == STAGE_DELAY && k < STAGE_RING; k++)
         s->ring[k] = u;
-    return e->kind == STAGE_NOISE ? u : run_one(s, i, s->tick, u);
+    return run_one(s, i, s->tick, u);
 }
 
 void stage_settle(struct stage *s, double u, uint64_t tick)

@@ -38,6 +38,8 @@ enum stage_kind {
     STAGE_CREEP,      /* a: share of a step that creeps in a decade of time */
     STAGE_RESONANCE,  /* a: undamped frequency, Hz; b: damping ratio below 1 */
     STAGE_NOISE,      /* a: density, unit/sqrt(Hz), one-sided */
+    STAGE_FLICKER,    /* 1/f noise. a: corner, Hz; b: density that it has there, as that of STAGE_NOISE */
+    STAGE_DRIFT,      /* a: rate, unit/s, from 0 where the stage settled */
     STAGE_LAG,        /* a: corner frequency, Hz */
     STAGE_CLIP,       /* a: largest magnitude, unit */
     STAGE_QUANTISER,  /* a: quantum, unit */
@@ -76,10 +78,11 @@ MUST_CHECK const char *stage_init(struct stage *s, double tick_s, uint32_t seed,
 MUST_CHECK const char *stage_refuse(double tick_s, const struct stage_part *part, int n);
 
 /* As if the signal had always been u, with hysteresis and creep at rest: their result is what they are given.
- * The next signal is that of `tick`. */
+ * Drift and 1/f noise begin at 0. The next signal is that of `tick`. */
 void stage_settle(struct stage *s, double u, uint64_t tick);
 
-/* One tick. 20 to 40 instructions an element; 130 for hysteresis, 150 for noise, 170 for creep. */
+/* One tick. 20 to 40 instructions an element; 130 for hysteresis, 150 for noise, 170 for creep, 350 for
+ * 1/f noise. */
 double stage_run(struct stage *s, double u);
 
 /* n ticks, n > 0: u[k] becomes the result of each. Results are those of single ticks. Gain and resonance then

@@ -7,8 +7,8 @@
  * An actuator takes its drive's value at the begin of each tick. Over the tick the input runs in a straight
  * line to the actuator's result, so a base never jumps. A sensor takes the output at the end of each tick.
  * Both work in SI; times are those of the real plant, like the model's parameters. The elements of a stage
- * are those settings that are not 0, in this order: gain, slew, hysteresis, creep, resonance, noise, lag,
- * clip, quantum, delay.
+ * are those settings that are not 0, in this order: gain, slew, hysteresis, creep, resonance, noise, 1/f
+ * noise, drift, lag, clip, quantum, delay.
  *
  * The bus's MOTION and CONTACT say what the sensors say. A lock-in slot reads an output's truth or a stage's
  * result. Everything else sees the truth. With a stage on, each tick is taken the general way

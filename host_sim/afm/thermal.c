@@ -11,7 +11,6 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/ticks.h"
 
-static const double boltzmann = 1.380649e-23;
 #define TWO_PI 6.283185307179586
 
 enum { LENGTH_MOST = 1 << 22, AROUND = 20 /* half widths of the resonance in the fit */ };
@@ -68,7 +67,7 @@ static double factor_of(const double *si)
 
 double thermal_square(const double *si)
 {
-    return factor_of(si) * boltzmann * si[LEVER_TEMPERATURE] / si[LEVER_K];
+    return factor_of(si) * BOLTZMANN_J_PER_K * si[LEVER_TEMPERATURE] / si[LEVER_K];
 }
 
 int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
@@ -94,7 +93,7 @@ int thermal_listen(struct afm_bench *b, double seconds, struct thermal *t)
         status = options_failure(b->usage, "no resonance within %.4g Hz of f0: give more --seconds", half);
     t->factor = factor_of(b->si);
     t->square_m2 = 0.25 * TWO_PI * t->fit.f0_Hz * t->fit.quality * t->fit.low;
-    t->stiffness = t->factor * boltzmann * b->si[LEVER_TEMPERATURE] / t->square_m2;
+    t->stiffness = t->factor * BOLTZMANN_J_PER_K * b->si[LEVER_TEMPERATURE] / t->square_m2;
     return status;
 }
 

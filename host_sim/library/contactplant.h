@@ -322,7 +322,9 @@ enum contactplant_afm_truth {
     CONTACTPLANT_AFM_ADHESION,        /* N, of that cycle; 0: not found */
     CONTACTPLANT_AFM_MODULUS,         /* Pa, of that cycle; 0: not found */
     CONTACTPLANT_AFM_DEFORMATION,     /* m */
-    CONTACTPLANT_AFM_DISSIPATION      /* J */
+    CONTACTPLANT_AFM_DISSIPATION,     /* J */
+    CONTACTPLANT_AFM_SNAP_IN,         /* N, deepest force of that cycle before its peak */
+    CONTACTPLANT_AFM_BASELINE         /* N, of its far half: stiffness times the detector's offset */
 };
 CONTACTPLANT_API double contactplant_afm_truth(struct contactplant_afm *afm,
                                                enum contactplant_afm_truth which);

@@ -210,6 +210,10 @@ double contactplant_afm_truth(struct contactplant_afm *a, enum contactplant_afm_
         return s->swing.cycle.deformation_m;
     case CONTACTPLANT_AFM_DISSIPATION:
         return s->swing.cycle.work_J;
+    case CONTACTPLANT_AFM_SNAP_IN:
+        return s->swing.cycle.snap_in_N;
+    case CONTACTPLANT_AFM_BASELINE:
+        return s->swing.cycle.baseline_N;
     default:
         (void)library_fail(&a->error, CONTACTPLANT_BAD_VALUE, "no such number: %d", (int)which);
         return (double)NAN;

@@ -72,7 +72,8 @@ Event = collections.namedtuple("Event", "time_s tick fraction speed peak_force_N
 _KINDS = {"input": 0, "output": 1, "state": 2, "parameter": 3, "setting": 4}
 _COUNTERS = {"switches": 0, "events_lost": 1, "switches_missed": 2, "unsure": 3, "not_finite": 4}
 _TRUTHS = {"deflection": 0, "z": 1, "surface": 2, "peak_force": 3, "amplitude": 4, "frequency": 5, "crashes": 6,
-           "crash_force": 7, "clipped": 8}
+           "crash_force": 7, "clipped": 8, "cycle_force": 9, "adhesion": 10, "modulus": 11, "deformation": 12,
+           "dissipation": 13, "snap_in": 14, "baseline": 15}
 _OPERATIONS = {"start": 1, "stop": 2, "pause": 3, "step": 4, "run_until": 5, "reset": 6}
 _WAITS = {"alive": 0, "state": 1, "tick": 2, "contact": 3, "reply": 4}
 
@@ -514,7 +515,8 @@ class Microscope:
 
     def truth(self, name):
         """A number that a controller does not know: "deflection", "z", "surface" (m), "peak_force" (N), "amplitude"
-        (m), "frequency" (Hz), "crashes", "crash_force" (N), "clipped"."""
+        (m), "frequency" (Hz), "crashes", "crash_force" (N), "clipped". Of the last cycle of peak_force_N: "cycle_force",
+        "adhesion", "snap_in", "baseline" (N), "modulus" (Pa), "deformation" (m), "dissipation" (J)."""
         return self._lib.afm_truth(self._handle, _choose("truth", name, _TRUTHS))
 
     def save(self):

@@ -143,6 +143,11 @@ static void get_state(const struct scene *s, int i, struct scene_key *k)
     snprintf(k->name, sizeof k->name, "%s", k->full);
 }
 
+static bool is_rate(int number)
+{
+    return number == STAGE_SET_SLEW || number == STAGE_SET_DRIFT;
+}
+
 /* The unit of a stage's number that is the signal's, of it per second or per root hertz. */
 static const char *stage_unit(const char *unit, int number)
 {
@@ -151,10 +156,8 @@ static const char *stage_unit(const char *unit, int number)
                                         {"N", "N/s", "N/sqrt(Hz)"},
                                         {"1", "1/s", "1/sqrt(Hz)"}};
     const struct parameter *p = &setting_table[SET_STAGE + number];
-    bool signals = number == STAGE_SET_SLEW || number == STAGE_SET_NOISE || number == STAGE_SET_RANGE ||
-                   number == STAGE_SET_CLIP || number == STAGE_SET_QUANTUM;
-    int form = number == STAGE_SET_SLEW ? 1 : number == STAGE_SET_NOISE ? 2 : 0;
-    for (int i = 0; signals && i < 4; i++)
+    int form = is_rate(number) ? 1 : number == STAGE_SET_NOISE ? 2 : 0;
+    for (int i = 0; !*p->unit && i < 4; i++)
         if (!strcmp(unit, of[i][0]))
             return strcmp(of[i][form], "1") ? of[i][form] : "";
     return strcmp(p->unit, "1") ? p->unit : "";
@@ -236,8 +239,8 @@ static bool get_stage(const struct scene *s, int signal, int number, struct scen
     memmove(k->name, k->name + strlen("stage_0_"), strlen(k->name) + 1 - strlen("stage_0_"));
     k->full = p->name + strlen("stage_0_");
     k->unit = stage_unit(of->unit, number);
-    if (number == STAGE_SET_SLEW)
-        snprintf(k->name, sizeof k->name, "slew");
+    if (is_rate(number))
+        k->name[strlen(k->name) - strlen("_per_s")] = '\0';
     return true;
 }
 

@@ -58,7 +58,7 @@ struct metric {
 };
 extern const struct metric metric_table[METRICS];
 
-enum { METRIC_UNIT = 64, METRIC_NOTE = 40, METRIC_SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS + 2 /* at most */ };
+enum { METRIC_UNIT = 64, METRIC_NOTE = 40, METRIC_SIGNALS = MODEL_OUTPUTS + MODEL_INPUTS + 4 /* at most */ };
 
 /* A signal of the plant: output i; from n_outputs on the command of an input, its streamed sample; then the
  * frequency of the drives that sound, and the contact's eigenfrequency. */

@@ -22,6 +22,10 @@ static const struct signal output[VIEW_OUTPUTS] = {
                          QUANTITY_FORCE, NULL},
     [VIEW_ADHESION] = {"adhesion", "N", "of the last cycle of peak_force", QUANTITY_FORCE, NULL},
     [VIEW_MODULUS] = {"modulus", "Pa", "of the last cycle, 0: not found", QUANTITY_RATIO, NULL},
+    [VIEW_SNAP_IN] = {"snap_in", "N", "deepest force of the last cycle before its peak", QUANTITY_FORCE,
+                      NULL},
+    [VIEW_BASELINE] = {"baseline", "N", "force of its far half: the zero of the others", QUANTITY_FORCE,
+                       NULL},
 };
 
 static const struct signal input[VIEW_INPUTS] = {
@@ -69,6 +73,8 @@ void test_afm_read(const struct station *s, const struct microscope_in *in, doub
         [VIEW_PEAK_FORCE] = s->swing.cycle.peak_N,
         [VIEW_ADHESION] = s->swing.cycle.adhesion_N,
         [VIEW_MODULUS] = s->swing.cycle.modulus_Pa,
+        [VIEW_SNAP_IN] = s->swing.cycle.snap_in_N,
+        [VIEW_BASELINE] = s->swing.cycle.baseline_N,
         [VIEW_OUTPUTS + VIEW_IN_FORCE] = in->force_N,
         [VIEW_OUTPUTS + VIEW_IN_Z] = in->z_m,
         [VIEW_OUTPUTS + VIEW_IN_X] = in->x_m,

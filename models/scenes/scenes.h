@@ -36,7 +36,7 @@ struct scene_watch {
 };
 
 /* Actuators and sensors, in the order of their settings (firmware/bus/settings.h); all 0: off. */
-enum { SCENE_STAGES = 4, SCENE_STAGE_NUMBERS = 13 };
+enum { SCENE_STAGES = 4, SCENE_STAGE_NUMBERS = 15 };
 
 struct scene {
     const struct model *model;

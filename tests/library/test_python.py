@@ -223,7 +223,7 @@ int main(void)
         contactplant_afm_sample(afm, dac, adc);
         printf("%d %d\n", adc[0], adc[1]);
     }
-    for (int i = 0; i < 9; i++)
+    for (int i = 0; i < 16; i++)
         printf("%.17g\n", contactplant_afm_truth(afm, (enum contactplant_afm_truth)i));
     return 0;
 }
@@ -235,9 +235,10 @@ def test_microscope():
     afm = contactplant.Microscope("tapping", surface=4, drive_m=30e-9)
     lines, codes = ["%.17g" % afm.sample_s], [(i * 37 % 4001 - 2000, -(i % 3000), i * 5, i) for i in range(3000)]
     lines += ["%d %d" % afm.sample(*dac) for dac in codes]
-    truths = ("deflection", "z", "surface", "peak_force", "amplitude", "frequency", "crashes", "crash_force", "clipped")
+    truths = ("deflection", "z", "surface", "peak_force", "amplitude", "frequency", "crashes", "crash_force", "clipped",
+              "cycle_force", "adhesion", "modulus", "deformation", "dissipation", "snap_in", "baseline")
     lines += ["%.17g" % afm.truth(name) for name in truths]
-    verdict("3000 samples, every truth: as C prints them", c_program("microscope", MICROSCOPE) == "\n".join(lines) + "\n", lines[-9:])
+    verdict("3000 samples, every truth: as C prints them", c_program("microscope", MICROSCOPE) == "\n".join(lines) + "\n", lines[-16:])
     verdict("it touched the sample", afm.truth("peak_force") > 0 or afm.truth("crashes") > 0 or afm.truth("deflection") != 0)
     saved = afm.save()
     after = [afm.sample(*dac) for dac in codes[:200]]

@@ -117,6 +117,8 @@ TEST(library_afm_peak_force)
     check_near("modulus, GPa", contactplant_afm_truth(afm, CONTACTPLANT_AFM_MODULUS) * 1e-9, 1.0, 0.05);
     check_near("deformation, nm", contactplant_afm_truth(afm, CONTACTPLANT_AFM_DEFORMATION) * 1e9, 0.7, 0.2);
     check_near("dissipation, aJ", contactplant_afm_truth(afm, CONTACTPLANT_AFM_DISSIPATION) * 1e18, 0.0, 0.3);
+    check_near("snap-in, nN", contactplant_afm_truth(afm, CONTACTPLANT_AFM_SNAP_IN) * 1e9, 3.918, 0.4);
+    check_near("baseline, nN", contactplant_afm_truth(afm, CONTACTPLANT_AFM_BASELINE) * 1e9, 0.0, 0.1);
 }
 
 /* ---- saved and restored ---- */

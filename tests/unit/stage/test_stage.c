@@ -112,7 +112,8 @@ TEST(stage_refuses_nan)
     for (int kind = 0; kind < STAGE_KINDS; kind++) {
         double y = 0.0;
         bool resonance = kind == STAGE_RESONANCE;
-        make(&stage, 1e-3, (enum stage_kind)kind, resonance ? 30.0 : 0.9, resonance ? 0.5 : 0.0);
+        make(&stage, 1e-3, (enum stage_kind)kind, resonance ? 30.0 : 0.9,
+             resonance || kind == STAGE_FLICKER ? 0.5 : 0.0);
         other = stage;
         for (int i = 0; i < 40; i++) {
             y = stage_run(&stage, i >= 10 && i < 15 ? bad[i - 10] : 0.1 * i);
@@ -151,6 +152,8 @@ TEST(stage_refusals)
                {{STAGE_DELAY, -1.0, 0.0}, "delay"},
                {{STAGE_SLEW, 0.0, 0.0}, "slew"},
                {{STAGE_NOISE, -1.0, 0.0}, "noise"},
+               {{STAGE_FLICKER, 1.0, 0.0}, "1/f noise"},
+               {{STAGE_DRIFT, 2e9, 0.0}, "drift"},
                {{STAGE_CLIP, -1.0, 0.0}, "clip"},
                {{STAGE_QUANTISER, 0.0, 0.0}, "quantum"},
                {{STAGE_HYSTERESIS, 1.0, 1.5}, "share"},
@@ -181,12 +184,11 @@ TEST(stage_snapshot)
                                               {STAGE_HYSTERESIS, 5e-6, 0.15},
                                               {STAGE_CREEP, 0.015, 0.0},
                                               {STAGE_RESONANCE, 5e3, 0.05}};
-    static const struct stage_part diode[] = {{STAGE_NOISE, 100e-15, 0.0},
-                                              {STAGE_LAG, 2e6, 0.0},
-                                              {STAGE_CLIP, 500e-9, 0.0},
-                                              {STAGE_QUANTISER, 1e-6 / 65536.0, 0.0}};
+    static const struct stage_part diode[] = {
+        {STAGE_NOISE, 100e-15, 0.0},   {STAGE_LAG, 2e6, 0.0},    {STAGE_CLIP, 500e-9, 0.0},
+        {STAGE_FLICKER, 1e4, 100e-15}, {STAGE_DRIFT, 1e-9, 0.0}, {STAGE_QUANTISER, 1e-6 / 65536.0, 0.0}};
     for (int i = 0; i < 2; i++) {
-        check_no_error("chain", stage_init(&stage, 2e-7, 9, i ? diode : piezo, 4));
+        check_no_error("chain", stage_init(&stage, 2e-7, 9, i ? diode : piezo, i ? 6 : 4));
         for (int k = 0; k < 500; k++)
             (void)stage_run(&stage, 1e-7 * sin(0.1 * k));
         other = stage;
@@ -201,9 +203,12 @@ TEST(stage_snapshot)
 TEST(stage_hash_has_state)
 {
     for (int kind = 0; kind < STAGE_KINDS; kind++) {
-        bool memory =
-            kind != STAGE_GAIN && kind != STAGE_NOISE && kind != STAGE_CLIP && kind != STAGE_QUANTISER;
-        double b = kind == STAGE_RESONANCE ? 0.5 : kind == STAGE_HYSTERESIS ? 0.3 : 0.0;
+        bool drifts = kind == STAGE_FLICKER || kind == STAGE_DRIFT; /* whatever the signal */
+        bool memory = kind != STAGE_GAIN && kind != STAGE_NOISE && kind != STAGE_CLIP &&
+                      kind != STAGE_QUANTISER && !drifts;
+        double b = kind == STAGE_RESONANCE || kind == STAGE_FLICKER ? 0.5
+                   : kind == STAGE_HYSTERESIS                       ? 0.3
+                                                                    : 0.0;
         make(&stage, 1e-3, (enum stage_kind)kind,
              kind == STAGE_SLEW    ? 300.0
              : kind == STAGE_DELAY ? 1.9
@@ -242,18 +247,18 @@ TEST(stage_noise_numbers)
 /* The bits are those of every compiler: all kinds in two chains, 20,000 ticks. */
 TEST(stage_bits)
 {
-    static const struct stage_part chain[] = {{STAGE_GAIN, 1.25, 0.0},      {STAGE_SLEW, 3e4, 0.0},
-                                              {STAGE_HYSTERESIS, 2.0, 0.2}, {STAGE_CREEP, 0.02, 0.0},
-                                              {STAGE_RESONANCE, 9e3, 0.07}, {STAGE_NOISE, 1e-4, 0.0},
-                                              {STAGE_LAG, 4e4, 0.0},        {STAGE_CLIP, 1.1, 0.0},
-                                              {STAGE_QUANTISER, 1e-4, 0.0}, {STAGE_DELAY, 7.3, 0.0}};
+    static const struct stage_part chain[] = {
+        {STAGE_GAIN, 1.25, 0.0},  {STAGE_SLEW, 3e4, 0.0},       {STAGE_HYSTERESIS, 2.0, 0.2},
+        {STAGE_CREEP, 0.02, 0.0}, {STAGE_RESONANCE, 9e3, 0.07}, {STAGE_NOISE, 1e-4, 0.0},
+        {STAGE_LAG, 4e4, 0.0},    {STAGE_CLIP, 1.1, 0.0},       {STAGE_QUANTISER, 1e-4, 0.0},
+        {STAGE_DELAY, 7.3, 0.0},  {STAGE_FLICKER, 4e4, 1e-4},   {STAGE_DRIFT, 3.0, 0.0}};
     uint64_t seed = 5, sum = HASH_BEGIN;
     double u = 0.0;
-    check_no_error("chain", stage_init(&stage, 1e-6, 77, chain, 10));
+    check_no_error("chain", stage_init(&stage, 1e-6, 77, chain, STAGE_PARTS));
     for (int i = 0; i < 20000; i++) {
         u = i % 100 == 0 ? 2.0 * exact_uniform(&seed) - 1.0 : u;
         sum = hash_double(sum, stage_run(&stage, u));
     }
-    check_hex("results", sum, UINT64_C(0x17757c09de9c82f9));
-    check_hex("state", hash(&stage), UINT64_C(0x12ab79a2342c104d));
+    check_hex("results", sum, UINT64_C(0x637bc64e8b983984));
+    check_hex("state", hash(&stage), UINT64_C(0x3b60dd411a2df73b));
 }
