@@ -25,7 +25,7 @@ static void put_float(FILE *f, float value)
         putc((int)(bits >> (8 * i) & 0xFF), f);
 }
 
-const char *gsf_write(FILE *f, const struct gsf *g)
+void gsf_write(FILE *f, const struct gsf *g)
 {
     int n = fprintf(
         f, "%sXRes = %zu\nYRes = %zu\nXReal = %.9g\nYReal = %.9g\nXYUnits = m\nZUnits = %s\nTitle = %s\n",
@@ -34,7 +34,6 @@ const char *gsf_write(FILE *f, const struct gsf *g)
         putc(0, f);
     for (size_t i = 0; i < g->nx * g->ny; i++)
         put_float(f, g->value[i]);
-    return fflush(f) || ferror(f) ? "it could not be written completely (disk full?)" : NULL;
 }
 
 /* The first bytes of a line, the rest of which is passed over. False: the file stands at its first NUL, or

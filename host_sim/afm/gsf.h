@@ -15,8 +15,8 @@ struct gsf {
     float *value; /* [ny][nx], the first row on top */
 };
 
-/* NULL, or why it is not complete. */
-const char *gsf_write(FILE *f, const struct gsf *g);
+/* The file's errors are told by files_finish. */
+void gsf_write(FILE *f, const struct gsf *g);
 
 /* Reads a file of heights whose values are finite, into metres; g->value is from malloc. False:
  * why[GSF_REASON] says what is wrong. unit and title stay NULL. */

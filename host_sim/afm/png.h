@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Lines of `width` grey values, top first; width at most 65534. NULL, or why it is not complete. */
-const char *png_write(FILE *f, const unsigned char *grey, size_t width, size_t height);
+/* Lines of `width` grey values, top first; width at most 65534. The file's errors are told by
+ * files_finish. */
+void png_write(FILE *f, const unsigned char *grey, size_t width, size_t height);
 
 #endif

@@ -209,11 +209,9 @@ void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char te
 
 /* ---- files ---- */
 
-static int finish(struct afm_bench *b, FILE *f, const char *why)
+static int finish(struct afm_bench *b, FILE *f, const char *name)
 {
-    if (!files_finish(f, !why) && !why)
-        why = strerror(errno);
-    return why ? options_failure(b->usage, "an image: %s", why) : 0;
+    return files_finish(f, true) ? 0 : options_failure(b->usage, "image %s: %s", name, strerror(errno));
 }
 
 /* The name of a file of this channel, without what tells its kind. */
@@ -235,7 +233,9 @@ static int write_gsf(struct afm_bench *b, const struct scan_image *m, int back, 
                     .title = title,
                     .value = m->value[back][i]};
     FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
-    return f ? finish(b, f, gsf_write(f, &g)) : STATUS_FAILED;
+    if (f)
+        gsf_write(f, &g);
+    return f ? finish(b, f, name) : STATUS_FAILED;
 }
 
 /* The size of a picture with square dots: the finer of the two steps is a dot. A picture that would be too
@@ -272,9 +272,10 @@ static int write_png(struct afm_bench *b, const struct scan_image *m, const floa
     }
     snprintf(name, sizeof name, "%s.png", stem);
     FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
-    int status = f ? finish(b, f, png_write(f, grey, wide, high_dots)) : STATUS_FAILED;
+    if (f)
+        png_write(f, grey, wide, high_dots);
     free(grey);
-    return status;
+    return f ? finish(b, f, name) : STATUS_FAILED;
 }
 
 static int write_images(struct afm_bench *b, const struct scan_image *m)

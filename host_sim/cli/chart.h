@@ -125,7 +125,8 @@ void chart_level(struct chart *c, double y, enum chart_colour colour, const char
  * example. */
 void chart_legend(struct chart *c, enum chart_colour colour, const char *name);
 
-/* Writes the picture and frees what chart_begin took. NULL, or what went wrong. */
+/* Writes the picture and frees what chart_begin took. NULL, or that memory was short; the file's errors are
+ * told by files_finish. */
 const char *chart_end(struct chart *c, FILE *out);
 
 #endif

@@ -378,6 +378,12 @@ static bool finish_composed(struct composed *c, bool good)
     return good;
 }
 
+/* Why a write failed whose errno is lost: the next one fails for the same reason. */
+static int find_cause(FILE *f)
+{
+    return write(fileno(f), "\n", 1) < 0 ? errno : EIO;
+}
+
 bool files_finish(FILE *f, bool good)
 {
     if (f == stdout)
@@ -386,7 +392,7 @@ bool files_finish(FILE *f, bool good)
         if (composed[i].f == f)
             return finish_composed(&composed[i], good);
     bool failed = ferror(f) != 0, unwritten = fflush(f) != 0;
-    int error = unwritten ? errno : EIO;
+    int error = unwritten ? errno : failed ? find_cause(f) : 0;
     if (fclose(f) && !unwritten && !failed) {
         unwritten = true;
         error = errno;

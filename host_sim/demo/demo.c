@@ -229,9 +229,8 @@ static int conclude(const struct demo *d, const char *out)
     if (d->end == DEMO_INTERRUPTED)
         return options_failure(&demo_usage, "interrupted; the files in %s hold what there was until then",
                                out);
-    return options_failure(&demo_usage,
-                           "%s\n  the plant's last words: %s\n  %s holds what there was until then", d->why,
-                           d->child.line, out);
+    return options_failure(&demo_usage, "%s; the plant's last words: %s; %s holds what there was until then",
+                           d->why, d->child.line, out);
 }
 
 int cmd_demo(int argc, char **argv)

@@ -425,9 +425,9 @@ int jobs_run(const struct jobs *j)
         jobs_last(b.rows, last);
         put_text(&b, last);
     }
-    bool unwritten = b.path && b.out && (ferror(b.out) | fclose(b.out));
+    bool unwritten = b.path && b.out && !files_finish(b.out, true);
     if (status == STATUS_DONE && unwritten)
-        status = options_failure(j->options->usage,
-                                 "%s: cannot be written; make room, and give the same command", b.path);
+        status = options_failure(j->options->usage, "%s: %s; make room, and give the same command", b.path,
+                                 strerror(errno));
     return status;
 }

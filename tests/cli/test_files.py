@@ -232,6 +232,12 @@ def test_room():
         r = run(*line, "--" + name, "fresh", preexec_fn=limit)
         verdict("  and no piece of a new one", r.returncode in (1, 2) and not os.path.exists("fresh"), r.stderr)
         forget(["old", "fresh"])
+    scan = ["scan", "lever.ini", *"--set pixels=4 --set lines=4 --set".split(), "pixel=1 ms"]
+    swings = [*scan, "--set", "peak_force=5 nN", "--set", "ticks=2", "--every", "1"]
+    for line, name in ((scan, "out"), (swings, "volume"), (["test", "v.test"], "log"), (["demo"], "out")):
+        r = run(*line, "--" + name, "folder", *(["--out", "beside"] if name == "volume" else []), preexec_fn=limit)
+        verdict("%s --%s without room: the reason" % (line[0], name), r.returncode in (1, 3) and "File too large" in r.stderr + r.stdout and "�" not in r.stderr, r.stderr)
+        forget(["folder", "beside"])
 
 
 def test_folders():

@@ -18,7 +18,7 @@ static const struct gsf field = {3, 2, 2e-6, 1e-6, "m", "Height", sample};
 static FILE *written(const struct gsf *g, char *bytes, size_t *n)
 {
     FILE *f = tmpfile();
-    check_no_error("written", gsf_write(f, g));
+    gsf_write(f, g);
     rewind(f);
     *n = fread(bytes, 1, 1000, f);
     rewind(f);
@@ -146,7 +146,7 @@ TEST(afm_png)
     static const unsigned char grey[] = {0, 50, 100, 150, 200, 255};
     unsigned char bytes[300], seen[8];
     FILE *f = tmpfile();
-    check_no_error("written", png_write(f, grey, 3, 2));
+    png_write(f, grey, 3, 2);
     rewind(f);
     size_t n = fread(bytes, 1, sizeof bytes, f), at = 8;
     fclose(f);

@@ -172,6 +172,11 @@ TEST(files_write)
     f = files_create("/dev/full");
     check_true("as it comes, without room",
                f && fputs("x", f) >= 0 && !files_finish(f, true) && errno == ENOSPC);
+    f = files_create("/dev/full");
+    static char block[65536];
+    check_true("a block, which no buffer keeps", f && fwrite(block, 1, sizeof block, f) < sizeof block);
+    errno = 0;
+    check_true("  the reason is told when it ends", !files_finish(f, true) && errno == ENOSPC);
     f = files_compose("/dev/full");
     check_true("composed, without room",
                f && fputs("x", f) >= 0 && !files_finish(f, true) && errno == ENOSPC);
