@@ -127,10 +127,16 @@ static int refuse_input(const struct options *o, const struct choose_certificate
 {
     const struct model *m = c->scene.model;
     const char *names[MODEL_INPUTS];
-    for (int i = 0; i < m->n_inputs; i++)
-        names[i] = m->input_signal[i].name;
+    char text[MODEL_INPUTS][48];
+    int count = 0;
+    for (int i = 0; i < m->n_inputs; i++) {
+        snprintf(text[count], sizeof *text, "%s.frequency", m->input_signal[i].name);
+        names[count] = text[count];
+        count += find_input(c, text[count], strlen(text[count])) >= 0;
+    }
     return options_misuse(o->usage, "--sweep %.*s: no input of %s that the scene drives%s", (int)n, name,
-                          m->name, options_advise(name, n, names, m->n_inputs, NULL));
+                          m->name,
+                          options_advise(name, n, names, count, count ? NULL : "it drives none"));
 }
 
 /* INPUT=FROM:TO:N; versions before wrote commas. */

@@ -68,7 +68,7 @@ bool scene_range_nth(const struct scene *s, int i, struct scene_range *r)
 int scene_range_find(const struct usage *u, const struct scene *s, const char *name, size_t n,
                      const struct scene_range_names *also, struct scene_range *r)
 {
-    enum { KEYS = 2 * MODEL_PARAMETERS + 8 * MODEL_INPUTS };
+    enum { KEYS = 2 * MODEL_PARAMETERS + 8 * MODEL_INPUTS, FEW = 24 /* names that a line may list */ };
     static char text[KEYS][WORD];
     const char *names[KEYS + SCENE_RANGE_ALSO];
     char advice[ADVICE];
@@ -87,8 +87,11 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
     }
     for (int i = 0; also && i < also->n; i++)
         names[count++] = also->name[i];
+    const char *hint = also          ? "contactplant list microscope shows them"
+                       : count > FEW ? "contactplant scene shows them"
+                                     : NULL;
     return options_misuse(u, "%.*s: no such number in this scene%s", (int)n, name,
-                          options_advise_in(advice, sizeof advice, name, n, names, count, NULL));
+                          options_advise_in(advice, sizeof advice, name, n, names, count, hint));
 }
 
 static struct range_rules rules_of(const struct scene_range *r)

@@ -983,7 +983,8 @@ refuses 2 "is no AFM lever" scan rig
 refuses 2 "is no AFM lever" thermal rig
 refuses 2 "ki: " scan --set ki=many
 refuses 2 "out of range" scan --set pixels=0
-refuses 2 "no such number in this scene" scan --set pixles=12
+refuses 2 "pixles: no such number in this scene; did you mean pixels?" scan --set pixles=12
+refuses 2 "foo: no such number in this scene; contactplant list microscope shows them" scan --set foo=7
 refuses 2 "setpoint_m is not below the free amplitude" scan --set setpoint="30 nm"
 refuses 2 "drive_m the lock-in would listen to a silent tone" scan --set drive=0
 refuses 2 "ki is 0" scan --set ki=0
@@ -1249,7 +1250,8 @@ refuses 2 "asks nothing" choose hertz_rig
 refuses 2 "did you mean mps2-an500" choose rig --on mps2-an50
 refuses 2 "no deadline can be judged" choose rig --on riscv-virt
 refuses 2 "did you mean penetration" choose rig --observable penetratoin
-refuses 2 "no input of hertz_rig that the scene drives" choose rig --sweep base=1,2,3
+refuses 2 "no input of hertz_rig that the scene drives; there is force.frequency" choose rig --sweep base=1,2,3
+refuses 2 "did you mean force.frequency?" choose rig --sweep force.freqency=1:2:3
 refuses 2 "fewer than 4 steps" choose rig --sweep force.frequency=100:20kHz:3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"
 runs 2 "a file that cannot be written is no verdict, status" choose kb-fig16 --out "$dir/nowhere/x.ini"
