@@ -129,8 +129,9 @@ static int refuse_input(const struct options *o, const struct choose_certificate
     const char *names[MODEL_INPUTS];
     char text[MODEL_INPUTS][48];
     int count = 0;
+    bool dotted = memchr(name, '.', n) != NULL;
     for (int i = 0; i < m->n_inputs; i++) {
-        snprintf(text[count], sizeof *text, "%s.frequency", m->input_signal[i].name);
+        snprintf(text[count], sizeof *text, "%s%s", m->input_signal[i].name, dotted ? ".frequency" : "");
         names[count] = text[count];
         count += find_input(c, text[count], strlen(text[count])) >= 0;
     }

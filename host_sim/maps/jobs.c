@@ -93,7 +93,9 @@ static int read_shard(struct book *b)
 
 void jobs_last(long rows, char text[JOBS_LAST])
 {
-    snprintf(text, JOBS_LAST, "%s%ld rows\n", begin_of_last, rows);
+    char end[SHARE_END];
+    share_end(rows, "rows", end);
+    snprintf(text, JOBS_LAST, JOBS_SHARE "%s\n", end);
 }
 
 void jobs_header(const char *columns, char text[JOBS_LINE])

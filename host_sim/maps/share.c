@@ -164,6 +164,11 @@ void share_tell(const struct options *o, const struct share *s, int things, cons
     free(command);
 }
 
+void share_end(long n, const char *called, char text[SHARE_END])
+{
+    snprintf(text, SHARE_END, "complete: %ld %s", n, called);
+}
+
 bool share_read(const char *line, struct share_told *t)
 {
     int used = 0;

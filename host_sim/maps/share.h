@@ -3,7 +3,8 @@
  *   share 3/64 of 64 jobs, run 1a2b3c4d, contactplant 0.9.0: contactplant sweep rig --shard $i/64 --out
  * part$i.csv
  *
- * The command is one for a shell: with i it computes the I-th share into a file of its own. */
+ * The command is one for a shell: with i it computes the I-th share into a file of its own. A file that has
+ * all of its share says so at its end: `complete: 4210 rows`. */
 #ifndef HOST_SIM_SHARE_H
 #define HOST_SIM_SHARE_H
 
@@ -11,7 +12,7 @@
 #include <stdint.h>
 #include "host_sim/cli/options.h"
 
-enum { SHARE_LINE = 4096, SHARE_VERSION = 24 };
+enum { SHARE_LINE = 4096, SHARE_VERSION = 24, SHARE_END = 40 };
 
 struct share {
     int i, n;       /* the I-th of N, from 1 */
@@ -29,6 +30,9 @@ struct share share_nth(int i, int n, int things);
  * command is left out where it does not fit. */
 void share_tell(const struct options *o, const struct share *s, int things, const char *called, uint32_t run,
                 char line[SHARE_LINE]);
+
+/* Writes what stands at the end of a complete file of so many rows or cases. */
+void share_end(long n, const char *called, char text[SHARE_END]);
 
 /* The contents of such a line. */
 struct share_told {

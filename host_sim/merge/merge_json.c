@@ -20,13 +20,13 @@ struct all {
     struct lines l;
     struct cases known;
     bool in_case;
-    int n;               /* cases */
+    int n, first;        /* cases, and which is this part's first one */
     struct text traced;  /* identifiers with their quotes that a case names */
     struct text missing; /* and those that were told as untraced, each once */
 };
 
 static const char *const foreign = "not as contactplant test --json writes it";
-static const char end_of_cases[] = "], 'untraced': [";
+static const char end_of_cases[] = "], 'untraced': [", complete[] = "], 'complete': '%s'}\n";
 
 static int refuse(struct all *a)
 {
@@ -89,22 +89,28 @@ static int take_line(struct all *a)
     return status;
 }
 
-/* The last line of a part: "], "untraced": ["A","B"]}". */
+/* The last line of a part: "], "untraced": ["A","B"]}", where a complete one says that it is. */
 static int end_part(struct all *a)
 {
-    bool good = !a->in_case && add_identifiers(&a->missing, a->l.text + strlen(end_of_cases)) &&
-                lines_ends(&a->l, "]}\n") && !lines_next(&a->l);
-    a->p->cut = false;
-    return good ? 0 : refuse(a);
+    char end[SHARE_END], mark[SHARE_END + sizeof complete];
+    share_end(a->n - a->first, "cases", end);
+    snprintf(mark, sizeof mark, complete, end);
+    bool good = !a->in_case && add_identifiers(&a->missing, a->l.text + strlen(end_of_cases));
+    a->p->cut = lines_ends(&a->l, "]}\n");
+    return good && (a->p->cut || lines_ends(&a->l, mark)) && !lines_next(&a->l) ? 0 : refuse(a);
 }
 
 static int add_part(struct all *a)
 {
     int status = 0;
+    bool ended = false;
     a->p->cut = true;
     a->in_case = false;
-    while (!status && a->p->cut && lines_next(&a->l) && lines_ends(&a->l, "\n"))
-        status = lines_begins(&a->l, end_of_cases) ? end_part(a) : take_line(a);
+    a->first = a->n;
+    while (!status && !ended && lines_next(&a->l) && lines_ends(&a->l, "\n")) {
+        ended = lines_begins(&a->l, end_of_cases);
+        status = ended ? end_part(a) : take_line(a);
+    }
     return status;
 }
 
@@ -137,6 +143,7 @@ static void close_text(struct text *t)
 static int merge_all(struct all *a)
 {
     struct merge *m = a->m;
+    char end[SHARE_END], mark[SHARE_END + sizeof complete];
     struct json j;
     int status = 0;
     json_begin_file(&j, m->out);
@@ -149,7 +156,9 @@ static int merge_all(struct all *a)
     json_put(&j, "\n");
     json_put(&j, end_of_cases);
     put_untraced(a);
-    fputs("]}\n", m->out);
+    share_end(a->n, "cases", end);
+    snprintf(mark, sizeof mark, complete, end);
+    json_put(&j, mark);
     snprintf(m->summary, sizeof m->summary, "%d cases", a->n);
     return status;
 }

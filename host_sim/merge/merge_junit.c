@@ -31,6 +31,7 @@ struct junit {
     int n;
     struct suite *now; /* inside of it */
     int left;          /* cases of this part's suite that are still to come */
+    long cases;        /* that this part has so far */
 };
 
 static const char *const foreign = "not as contactplant test --junit writes it";
@@ -96,6 +97,7 @@ static int begin_case(struct junit *j)
     const char *end = strstr(j->l.text, " file=\"");
     if (!end || j->left-- == 0)
         return refuse(j);
+    j->cases++;
     return cases_take(j->m, &j->known, j->p, j->l.text, (size_t)(end - j->l.text));
 }
 
@@ -116,21 +118,34 @@ static int take_line(struct junit *j)
     return status;
 }
 
+/* Behind the last suite a complete report says that it is. */
+static int end_part(struct junit *j)
+{
+    char end[SHARE_END], mark[SHARE_END + sizeof XML_MARK];
+    j->p->cut = !lines_next(&j->l) || !lines_ends(&j->l, "\n");
+    share_end(j->cases, "cases", end);
+    snprintf(mark, sizeof mark, XML_MARK, end);
+    return j->p->cut || (lines_begins(&j->l, mark) && !lines_next(&j->l)) ? 0 : refuse(j);
+}
+
 static int add_part(struct junit *j)
 {
     int status = 0;
+    bool ended = false;
     j->p->cut = true;
     j->now = NULL;
-    while (!status && j->p->cut && lines_next(&j->l) && lines_ends(&j->l, "\n")) {
-        j->p->cut = j->now || !lines_begins(&j->l, "</testsuites>\n");
-        status = j->p->cut ? take_line(j) : 0;
+    j->cases = 0;
+    while (!status && !ended && lines_next(&j->l) && lines_ends(&j->l, "\n")) {
+        ended = !j->now && lines_begins(&j->l, "</testsuites>\n");
+        status = ended ? end_part(j) : take_line(j);
     }
-    return status || j->p->cut || !lines_next(&j->l) ? status : refuse(j);
+    return status;
 }
 
 static void put_all(struct junit *j)
 {
     struct counts all = {0, 0, 0, 0.0};
+    char end[SHARE_END];
     FILE *out = j->m->out;
     for (struct suite *s = j->first; s; s = s->next)
         add_counts(&all, &s->counts);
@@ -144,6 +159,8 @@ static void put_all(struct junit *j)
         fputs(" </testsuite>\n", out);
     }
     fputs("</testsuites>\n", out);
+    share_end(all.tests, "cases", end);
+    xml_put(out, XML_MARK, end);
     snprintf(j->m->summary, MERGE_SUMMARY, "%d cases of %d test files, %d failed, %d with an error",
              all.tests, j->n, all.failures, all.errors);
 }

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+#define XML_MARK "<?contactplant %s?>\n"                    /* for readers of this program */
 #define XML_HEAD "<?xml version='1.0' encoding='UTF-8'?>\n" /* first in a pattern */
 
 /* Writes a pattern. In it ' stands for ", and these for an argument:

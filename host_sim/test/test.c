@@ -101,6 +101,7 @@ struct tests {
     char share[SHARE_LINE]; /* tells the share, for its reports; "" for all cases */
     char *again;            /* options that a command for one case must have */
     double begin_s;
+    bool whole; /* every run came to its end */
 };
 
 /* ---- reading ---- */
@@ -416,7 +417,7 @@ static bool write_report(const struct tests *t, const char *option,
                          bool (*write)(const char *path, const struct report *r))
 {
     const char *path = options_text(t->o, option, 0);
-    const struct report r = {t->report, t->n_reports, &t->untraced, t->share};
+    const struct report r = {t->report, t->n_reports, &t->untraced, t->share, t->whole};
     bool written = !path || write(path, &r);
     if (!written)
         options_failure(t->o->usage, "--%s %s cannot be written: %s", option, path, strerror(errno));
@@ -479,9 +480,9 @@ static int run_all(struct tests *t)
     const struct workers w = {compute, t, take, lose, t, 0, t->n_runs, cores};
     t->begin_s = clock_now_s();
     child_adopt();
-    bool whole = workers_run(&w, why);
+    t->whole = workers_run(&w, why);
     (void)child_end_left(false);
-    if (!whole) {
+    if (!t->whole) {
         options_failure(t->o->usage, "%s", why);
         book_rest(t, why);
     }

@@ -233,7 +233,6 @@ refuses 2 "did you mean force?" simulate --drive forc=1,2,3
 refuses 2 "did you mean force?" send stream FORCE 1
 refuses 2 "did you mean stop?" send stpo
 refuses 2 "did you mean surface?" scan --set surfac=2
-refuses 2 ", surface, " scan --set zzz=2
 refuses 2 "did you mean models?" list model
 refuses 2 "did you mean rig?" run RIG
 refuses 2 "0x200 is" run --base-id 0x210
@@ -1250,7 +1249,7 @@ refuses 2 "asks nothing" choose hertz_rig
 refuses 2 "did you mean mps2-an500" choose rig --on mps2-an50
 refuses 2 "no deadline can be judged" choose rig --on riscv-virt
 refuses 2 "did you mean penetration" choose rig --observable penetratoin
-refuses 2 "no input of hertz_rig that the scene drives; there is force.frequency" choose rig --sweep base=1,2,3
+refuses 2 "no input of hertz_rig that the scene drives; there is force;" choose rig --sweep base=1,2,3
 refuses 2 "did you mean force.frequency?" choose rig --sweep force.freqency=1:2:3
 refuses 2 "fewer than 4 steps" choose rig --sweep force.frequency=100:20kHz:3
 refuses 2 "is the scene itself" choose "$dir/rig.ini" --out "$dir/rig.ini"

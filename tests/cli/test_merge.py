@@ -198,6 +198,11 @@ def reports():
         text = read("j3." + kind).decode()
         write("cut." + kind, text[:-20])
         refused("a cut share of %s" % kind, "j1." + kind, "j2." + kind, "j4." + kind, "cut." + kind, told=r"cut: 3 \(cut.%s\)" % kind, status=1)
+        mark = {"xml": "<?contactplant complete: 2 cases?>\n", "json": ', "complete": "complete: 2 cases"'}[kind]
+        write("unmarked." + kind, text.replace(mark, ""))
+        refused("a share of %s without its mark" % kind, "j1." + kind, "j2." + kind, "j4." + kind, "unmarked." + kind, told=r"cut: 3 \(unmarked.%s\)" % kind, status=1)
+        write("other." + kind, text.replace("complete: 2", "complete: 3"))
+        refused("a share of %s with another number of cases" % kind, "other." + kind, told="other.%s:\\d+: not as contactplant test" % kind)
         write("odd." + kind, text.replace("case", "cafe"))
         refused("%s of somebody" % kind, "odd." + kind, told="odd.%s" % kind)
     root = xml.parse("all.xml").getroot()
@@ -209,6 +214,21 @@ def reports():
     equal("the matrix: requirements of each case", {c["case"]: c["requirements"] for c in told["cases"]}, {**{"c%d" % i: ["A-%d" % (i % 4)] for i in range(6)}, **{"d%d" % i: ["B-1"] for i in range(3)}})
     equal("  and those of no case", told["untraced"], ["Z-9"])
     equal("a part tells its share", json.loads(read("j2.json"))["share"].split(":")[0].split(",")[0], "share 2/4 of 9 cases")
+
+    print("--- a share that is stopped", flush=True)
+    cases = [CASE % (c, "A-1", GOOD) for c in ("short", "long", "c", "d")]
+    write("long.test", HEAD + "".join(cases).replace("[case long]\nrequirement = A-1\nover = ", "[case long]\nover = 86400 s # "))
+    for shard in ("1/2", "1/1"):
+        with subprocess.Popen([program, "test", "long.test", "--cores", "1", "--shard", shard, "--junit", "stop1.xml", "--json", "stop1.json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as p:
+            p.stdout.readline()  # of the short case
+            p.terminate()
+            p.communicate()
+        equal("its cases are in the report", [c["verdict"] for c in json.loads(read("stop1.json"))["cases"]][:2], ["ok", "error"])
+        for kind in ("xml", "json"):
+            if shard == "1/2":
+                refused("  which is not complete", "stop1." + kind, told=r"of 2 shares missing: 2; cut: 1 \(stop1.%s\); kept is not written" % kind, status=1)
+            else:
+                refused("  and that of a whole command", "stop1." + kind, told="stop1.%s: its end is missing; run its command again" % kind)
 
     print("--- reports of whole commands", flush=True)
     for name in ("s<&> ü", "t"):

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <unistd.h>
 #include "host_sim/cli/shell.h"
+#include "host_sim/maps/share.h"
 #include "host_sim/out/json.h"
 #include "host_sim/out/xml.h"
 #include "host_sim/test/record.h"
@@ -143,12 +144,13 @@ static void junit_suite(FILE *f, const struct report_case *r, int n)
 
 bool report_junit(const char *path, const struct report *r)
 {
+    char end[SHARE_END];
     FILE *f = files_compose(path);
     if (!f)
         return false;
     xml_put(f, XML_HEAD);
     if (*r->share)
-        xml_put(f, "<?contactplant %s?>\n", r->share);
+        xml_put(f, XML_MARK, r->share);
     xml_put(f, "<testsuites name='contactplant'");
     junit_counts(f, r->of, r->n);
     for (int i = 0, k; i < r->n; i = k) {
@@ -157,6 +159,9 @@ bool report_junit(const char *path, const struct report *r)
         junit_suite(f, &r->of[i], k - i);
     }
     xml_put(f, "</testsuites>\n");
+    share_end(r->n, "cases", end);
+    if (r->whole)
+        xml_put(f, XML_MARK, end);
     return files_finish(f, true);
 }
 
@@ -192,6 +197,7 @@ static void json_case(struct json *j, const struct report_case *r)
 
 bool report_json(const char *path, const struct report *r)
 {
+    char end[SHARE_END];
     struct json j;
     FILE *f = files_compose(path);
     if (!f)
@@ -206,6 +212,7 @@ bool report_json(const char *path, const struct report *r)
     json_put(&j, "\n], 'untraced': [");
     for (int i = 0; i < r->untraced->n; i++)
         json_item(&j, "%s", r->untraced->entry[i].id);
-    json_put(&j, "]}\n");
+    share_end(r->n, "cases", end);
+    json_put(&j, r->whole ? "], 'complete': %s}\n" : "]}\n", end);
     return files_finish(f, true);
 }

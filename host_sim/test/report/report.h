@@ -30,6 +30,7 @@ struct report {
     int n;
     const struct requirements *untraced; /* that no case names */
     const char *share;                   /* the line that tells it (host_sim/maps/share.h), or "" */
+    bool whole;                          /* every case ran to its end */
 };
 
 /* The whole report. contactplant merge reads it line by line. False: it could not be written. */
