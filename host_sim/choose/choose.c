@@ -136,8 +136,7 @@ static int refuse_input(const struct options *o, const struct choose_certificate
         count += find_input(c, text[count], strlen(text[count])) >= 0;
     }
     return options_misuse(o->usage, "--sweep %.*s: no input of %s that the scene drives%s", (int)n, name,
-                          m->name,
-                          options_advise(name, n, names, count, count ? NULL : "it drives none"));
+                          m->name, options_advise(name, n, names, count, count ? NULL : "it drives none"));
 }
 
 /* INPUT=FROM:TO:N; versions before wrote commas. */

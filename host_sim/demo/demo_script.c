@@ -72,17 +72,20 @@ static void show(struct demo *d)
 {
     double now = clock_now_s();
     const struct demo_record *r = &d->record;
+    char age[16] = "-";
     int i = r->n_rows - 1;
     if (i < 0 || now - d->shown_s < (d->tty ? 0.1 : 0.5))
         return;
     d->shown_s = now;
+    if (!isnan(r->column[DEMO_AGE][i]))
+        snprintf(age, sizeof age, "%.0f", r->column[DEMO_AGE][i]);
     printf("%s%-10s t %6.2f s | displacement %6.2f .. %5.2f µm | drive %4.2f N | control %5.1f N | contact "
-           "loss %4.1f %% | age %3.0f frames | overruns %.0f%s",
+           "loss %4.1f %% | age %3s frames | overruns %.0f%s",
            d->tty ? "\r" : "", demo_phase_name[r->phase], r->column[DEMO_TIME][i],
            1e6 * r->column[DEMO_DISPLACEMENT][i], 1e6 * r->column[DEMO_DISPLACEMENT + 1][i],
            r->column[DEMO_SLOW_N][i], isnan(r->column[DEMO_COMMAND][i]) ? 0.0 : r->column[DEMO_COMMAND][i],
-           100.0 * r->column[DEMO_LOSS][i], r->column[DEMO_AGE][i],
-           fmax(d->client.latest.health[DIAG_OVERRUNS], 0.0), d->tty ? "\033[K" : "\n");
+           100.0 * r->column[DEMO_LOSS][i], age, fmax(d->client.latest.health[DIAG_OVERRUNS], 0.0),
+           d->tty ? "\033[K" : "\n");
     fflush(stdout);
 }
 
