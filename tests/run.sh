@@ -215,6 +215,11 @@ judge_choose() { # scenes, seed
     build/choose_scenes "$1" "$2" motion --random
 }
 
+judge_tolerance() { # scenes, seed
+    quiet_make build/tolerance_scenes
+    build/tolerance_scenes "$1" "$2" loose
+}
+
 judge_runner() {
     quiet_make build/runner_cases
     tests/house/test_runner.sh build/runner_cases
@@ -279,6 +284,11 @@ else
     stage compute "certificates of 20 scenes" judge_choose 20 2
 fi
 more compute "tolerances of 546 scenes by auto" build/tolerance_scenes 546 1
+if all; then
+    stage compute "loose tolerances of 1000 scenes by auto" build/tolerance_scenes 1000 1 loose
+else
+    stage compute "loose tolerances of 65 scenes by auto" judge_tolerance 65 1
+fi
 more compute "certificates of 30 random levers, judged by another integrator" build/choose_levers 30 1
 more compute "board mps2-an386 in QEMU" tests/boards/boards.sh mps2-an386
 more compute "board mps2-an500 in QEMU" tests/boards/boards.sh mps2-an500

@@ -1,6 +1,7 @@
-/* auto.c - the method that picks exact, rk4, taylor or modal by model, step, tolerance and drives.
+/* auto.c - the method that picks exact, rk4, taylor, adams or modal by model, step, tolerance and drives.
  *
  *   linear view             exact
+ *   Hertzian contact, 1e-3  adams at short steps while forces alone sound, and steadily; else as below
  *   Hertzian contact        rk4 where its guard takes the step, (h omega)^(5/2) <= tol and it follows the
  *                           drives; else taylor
  *   polynomial force        taylor: rk4, through pointers there, costs more
@@ -14,27 +15,38 @@
  * taylor's, with its default tolerance. Above TAYLOR_TOL_MOST it is rk4's under any drives where rk4 takes
  * the step.
  *
+ * adams keeps 1e-3 at up to ADAMS_STEADY_ANGLE, across switches, too, for motions down to 1e-6 static
+ * compressions. Forces have no part in its error. A base or a stiffness has, and a force that ramps or
+ * changes again within ADAMS_STEADY costs it more than rk4: these are for the other two.
+ *
  * `prepare` chooses by model, step and tolerance, so a change of parameters may change the method: state and
- * regime belong to the plant, and the tables are made anew. Between rk4 and taylor the choice is made again
- * when a drive changes, by a few operations for each drive. Cost beyond that of the method: 40 instructions a
- * step. */
+ * regime belong to the plant, and the tables are made anew. Between rk4, taylor and adams the choice is made
+ * again when a drive changes, by a few operations for each drive. Cost beyond that of the method: 40
+ * instructions a step. */
 #include "firmware/method/auto.h"
 
 #include <math.h>
 #include "models/check.h"
 #include "firmware/method/method.h"
 
-enum candidate { EXACT, RK4, TAYLOR, MODAL, CANDIDATES };
-static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor, &modal};
+enum candidate { EXACT, RK4, TAYLOR, MODAL, ADAMS, CANDIDATES };
+static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor, &modal, &adams};
+
+#define ADAMS_TOL_LEAST    1e-3
+#define ADAMS_STEADY_ANGLE 0.025          /* h omega */
+#define ADAMS_STEADY       (32u * 65536u) /* ticks, in the unit of a segment's `instant` */
 
 /* The part of scratch memory that auto keeps for itself, ahead of that of the method that it takes. */
 struct own {
     enum candidate choice;
-    bool watches; /* rk4 or taylor, by the drives */
+    bool watches;         /* rk4, taylor or adams, by the drives */
+    bool takes_adams;     /* where `moving` rest */
+    unsigned char moving; /* bit i: input i is more than a force */
     double tol, h, omega;
     double value[MODEL_INPUTS], rate[MODEL_INPUTS]; /* accelerations by an input and by its rate, at rest */
+    uint64_t last;                                  /* instant of the last change that is no ramp */
 };
-STATIC_ASSERT(sizeof(struct own) == METHOD_AUTO_SCRATCH * sizeof(double), auto_own_fits);
+STATIC_ASSERT(sizeof(struct own) <= METHOD_AUTO_SCRATCH * sizeof(double), auto_own_fits);
 
 /* The effect of the drives: the error of rk4 in velocity, and how far and how fast the strongest moves the
  * contact. */
@@ -75,6 +87,23 @@ static bool rk4_follows_waves(const struct own *o, const struct segment *e)
                       &r);
     }
     return rk4_follows(o, &r);
+}
+
+/* The drives change in this segment: adams may serve, and will be left alone for a while. */
+static bool adams_serves(struct own *o, const struct segment *e)
+{
+    uint64_t since = e->instant - o->last;
+    unsigned active = e->active;
+    if (!o->takes_adams || (active & o->moving) != 0)
+        return false;
+    if (e->length < o->h) /* the rest of a tick behind a switch, or a corner in it */
+        return o->choice == ADAMS;
+    for (int i = 0; active != 0; i++, active >>= 1) {
+        if ((active & 1u) && (e->wave[i].slope != 0.0 || e->wave[i].growth != 0.0))
+            return false;
+    }
+    o->last = e->instant;
+    return since >= ADAMS_STEADY;
 }
 
 /* Without drives the error of rk4 is within the tolerance. */
@@ -133,7 +162,12 @@ static void begin(const struct model *m, const double *p, double h, double tol, 
         return;
     m->hertz_form(p, &f);
     o->watches = true;
+    o->takes_adams = tol >= ADAMS_TOL_LEAST && h * o->omega <= ADAMS_STEADY_ANGLE;
+    o->choice = o->takes_adams ? ADAMS : RK4;
+    o->last = 0u - (uint64_t)ADAMS_STEADY;
     for (int i = 0; i < MODEL_INPUTS; i++) {
+        bool moves = f.modulation[i] != 0.0 || f.shift[i] != 0.0 || f.drag[i] != 0.0;
+        o->moving = (unsigned char)(o->moving | (moves ? 1u << i : 0u));
         o->value[i] =
             fabs(f.force[i]) + fabs(f.hertz * f.modulation[i]) + fabs(f.shift[i]) * (o->omega * o->omega);
         o->rate[i] = fabs(f.drag[i]);
@@ -145,12 +179,17 @@ const struct method *auto_choice(const struct model *m, const double *p, double 
 {
     struct own o;
     struct response r = {0.0, 0.0, 0.0};
+    unsigned active = 0;
     begin(m, p, h, tol, &o);
     for (int i = 0; drive && o.watches && i < m->n_inputs; i++)
-        if (drive[i].amplitude != 0.0)
+        if (drive[i].amplitude != 0.0) {
             add_drive(&o, i, drive[i].amplitude / scale_of(scale, m->input_signal[i].quantity),
                       drive[i].omega * scale->time_s, &r);
-    return candidate[rk4_follows(&o, &r) || !o.watches ? o.choice : TAYLOR];
+            active |= 1u << i;
+        }
+    if (!o.watches || (o.takes_adams && (active & o.moving) == 0))
+        return candidate[o.choice];
+    return candidate[rk4_follows(&o, &r) ? RK4 : TAYLOR];
 }
 
 const struct method *auto_now(const double *scratch)
@@ -167,9 +206,10 @@ static const char *refuse(const struct model *m, const double *p, double h, doub
 
 static size_t n_scratch(const struct model *m)
 {
+    size_t most = modal.n_scratch(m) + adams.n_scratch(m); /* levers; contacts */
     size_t of_exact = m->linear ? exact.n_scratch(m) : 0, of_taylor = has_series(m) ? taylor.n_scratch(m) : 0;
-    size_t of_modal = modal.n_scratch(m), most = of_exact > of_taylor ? of_exact : of_taylor;
-    return METHOD_AUTO_SCRATCH + (most > of_modal ? most : of_modal);
+    most = of_exact > most ? of_exact : most;
+    return METHOD_AUTO_SCRATCH + (most > of_taylor ? most : of_taylor);
 }
 
 static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
@@ -184,7 +224,7 @@ NEVER_INLINE void choose_again(const struct model *m, const double *p, double *s
                                const struct segment *e)
 {
     struct own *o = (struct own *)(void *)scratch;
-    enum candidate choice = rk4_follows_waves(o, e) ? RK4 : TAYLOR;
+    enum candidate choice = adams_serves(o, e) ? ADAMS : rk4_follows_waves(o, e) ? RK4 : TAYLOR;
     if (choice == o->choice)
         return;
     o->choice = choice;
@@ -206,9 +246,18 @@ static step_function *bind(const struct model *m)
     return step;
 }
 
-/* That of rk4, which reads no scratch memory, where it is the choice; the others have none. */
+static uint32_t run_adams(const struct model *m, const double *p, double *scratch,
+                          const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                          double (*x)[MODEL_STATES], uint32_t n)
+{
+    return adams.bind_run(m, NULL)(m, p, &scratch[METHOD_AUTO_SCRATCH], b, at, x, n);
+}
+
+/* rk4 reads no scratch memory; the others have none. */
 static run_function *bind_run(const struct model *m, const double *scratch)
 {
+    if (auto_now(scratch) == &adams)
+        return run_adams;
     return auto_now(scratch) == &rk4 ? rk4.bind_run(m, NULL) : NULL;
 }
 
@@ -218,9 +267,15 @@ static const struct method_books *books(const double *scratch)
     return now->books ? now->books(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
 }
 
+static const struct method_switch *switched(const double *scratch)
+{
+    const struct method *now = auto_now(scratch);
+    return now->switched ? now->switched(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
+}
+
 const struct method auto_method = {
     .name = "auto",
-    .title = "exact, rk4 or taylor, the cheapest that keeps the tolerance, by model, step and drives; "
+    .title = "exact, rk4, taylor or adams, the cheapest that keeps the tolerance, by model, step and drives; "
              "levers: modal, without one",
     .order = 0,
     .n_scratch = n_scratch,
@@ -229,4 +284,5 @@ const struct method auto_method = {
     .bind = bind,
     .bind_run = bind_run,
     .books = books,
+    .switched = switched,
 };

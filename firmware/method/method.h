@@ -57,7 +57,7 @@ enum {
     METHOD_SCRATCH = 5632,
     /* Doubles that auto_method keeps for itself, ahead of the scratch memory of the method that it takes. The
      * number is even, so that pairs of doubles stay aligned. */
-    METHOD_AUTO_SCRATCH = 12
+    METHOD_AUTO_SCRATCH = 14
 };
 
 /* One step: advances x[n_states] over the segment, or to the first switch in it.

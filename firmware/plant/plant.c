@@ -23,6 +23,14 @@ void plant_find_regime(struct plant *pl)
         pl->regime |= (gap[i].value < 0.0 ? 1u : 0u) << i;
 }
 
+bool plant_find_books(struct plant *pl)
+{
+    bool by_method = pl->method->books && pl->method->books(pl->scratch);
+    if (pl->books != BOOKS_NONE)
+        pl->books = by_method ? BOOKS_OF_METHOD : BOOKS_OF_LEDGER;
+    return by_method;
+}
+
 /* State or inputs were put in place, not evolved: regime and ledger follow them. */
 static void start_from_here(struct plant *pl)
 {
@@ -330,6 +338,8 @@ static bool integrate(struct plant *pl)
         return give_up(pl, &begin);
     if (pl->counts.pieces_max == 0)
         pl->counts.pieces_max = 1;
+    if (e->changed)
+        (void)plant_find_books(pl);
     if (status != STEP_END)
         return integrate_rest(pl, &begin, status, &c);
     book_piece(pl, e, begin.x);
@@ -638,7 +648,8 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
     uint32_t plain = q->switched ? done - 1 : done;
     const struct method_books *b = pl->method->books(pl->scratch);
     q->books = &b[plain];
-    rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, plain));
+    if (pl->books != BOOKS_NONE)
+        rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, plain));
     q->done += plain;
     if (done == n || q->switched)
         return true;
@@ -737,7 +748,8 @@ NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
     pass_time(pl, w->done);
     take_switch(pl, &c, w->done * pl->ticks_per_time);
     pass_time(pl, rest);
-    rise_to(&pl->peak_force, ledger_take(&pl->ledger, q->books));
+    if (pl->books != BOOKS_NONE)
+        rise_to(&pl->peak_force, ledger_take(&pl->ledger, q->books));
     if (pl->counts.pieces_max < 2)
         pl->counts.pieces_max = 2;
     q->b.regime = pl->regime;
@@ -784,7 +796,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_
     struct quiet q;
     bool good = true;
     n = begin_quiet(pl, n, &q);
-    bool booked = q.run && pl->books == BOOKS_OF_METHOD;
+    bool booked = q.run && plant_find_books(pl);
     for (uint32_t moved = 0; good && n > 0; n -= moved) {
         if (q.done == BLOCK_TICKS)
             move_block(&q, pl->model->n_states, pl->books != BOOKS_OF_LEDGER);

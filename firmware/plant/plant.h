@@ -150,6 +150,10 @@ void plant_set_state(struct plant *pl, const double *x);
  * negative. */
 void plant_find_regime(struct plant *pl);
 
+/* The method has prepared, or inputs have changed: who books energies from here on. True: the method could.
+ */
+bool plant_find_books(struct plant *pl);
+
 /* Sets the state to rest, silences the drives at phase 0 and starts the ledger anew. Tick, events and
  * counts go on. */
 void plant_reset(struct plant *pl);

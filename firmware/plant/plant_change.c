@@ -64,8 +64,7 @@ static const char *prepare(struct plant *pl, const double *si)
     pl->h = d.h;
     pl->ticks_per_time = 1.0 / d.h;
     pl->method->prepare(pl->model, d.p, d.h, pl->tol, pl->scratch);
-    if (pl->books != BOOKS_NONE)
-        pl->books = pl->method->books && pl->method->books(pl->scratch) ? BOOKS_OF_METHOD : BOOKS_OF_LEDGER;
+    (void)plant_find_books(pl);
     return NULL;
 }
 

@@ -54,8 +54,16 @@ static double size_max(const struct tolerance_scene *s)
 /* Half of them near the longest steps with which auto takes rk4. */
 static void draw_tick(struct tolerance_scene *s)
 {
-    double angle = chance(0.5) ? pow(s->tol, 0.4) * spread(0.2, 1.2) : spread(0.002, 1.0);
+    double angle = s->forces     ? spread(0.004, 0.04)
+                   : chance(0.5) ? pow(s->tol, 0.4) * spread(0.2, 1.2)
+                                 : spread(0.002, 1.0);
     s->tick = fmax(angle, 0.001) / s->eigenfrequency;
+}
+
+/* Input i, or the first, a force in every model, where nothing else may sound. */
+static int allowed(const struct tolerance_scene *s, int i)
+{
+    return s->forces && s->model->input_signal[i].quantity != QUANTITY_FORCE ? 0 : i;
 }
 
 /* A drive whose response by linear theory is this large. */
@@ -78,7 +86,7 @@ static void draw_drives(struct tolerance_scene *s)
 {
     int n = s->model->n_inputs, first = (int)uniform(0.0, n), more = (int)uniform(0.0, n);
     for (int k = 0; k <= more; k++)
-        draw_drive(s, (first + k) % n, k == 0 ? s->size : s->size * spread(0.003, 1.0));
+        draw_drive(s, allowed(s, (first + k) % n), k == 0 ? s->size : s->size * spread(0.003, 1.0));
 }
 
 /* How long: natural periods, as many as ticks and periods of the drives allow. */
@@ -102,20 +110,21 @@ int tolerance_model(int number)
     return candidate[number % n];
 }
 
-void tolerance_draw(struct tolerance_scene *s, int number, unsigned seed)
+void tolerance_draw(struct tolerance_scene *s, int number, unsigned seed, bool loose)
 {
     *s = (struct tolerance_scene){.model = model_table[tolerance_model(number)]};
     state = ((uint64_t)seed << 32 | (uint64_t)number) * 0x9E3779B97F4A7C15u;
     state ^= state >> 29;
     draw_parameters(s);
     s->size = spread(1e-6, size_max(s));
-    s->tol = spread(1e-8, 1e-3);
+    s->tol = loose ? spread(1e-4, 1e-2) : spread(1e-8, 1e-3);
     s->tol = fmax(s->tol, 1e-13 / s->size); /* below, the rounding of the state decides */
+    s->forces = loose && chance(0.5);
     draw_tick(s);
     draw_drives(s);
     draw_length(s);
     if (chance(0.3)) {
-        int i = (int)uniform(0.0, s->model->n_inputs);
+        int i = allowed(s, (int)uniform(0.0, s->model->n_inputs));
         s->change = s->ticks / TOLERANCE_SAMPLES * (long)uniform(1.0, TOLERANCE_SAMPLES);
         if (s->drive[i].amplitude == 0.0)
             draw_drive(s, i, s->size * spread(0.003, 1.0));

@@ -19,6 +19,7 @@ struct tolerance_scene {
     double size;                      /* size of the motion wanted, by linear theory */
     long ticks;                       /* in all, a multiple of TOLERANCE_SAMPLES */
     long change;                      /* a tick at which a drive begins; 0: none */
+    bool forces;                      /* no drive is more than a force */
     struct tolerance_drive drive[MODEL_INPUTS];
     double x[MODEL_STATES]; /* at the start */
 };
@@ -28,8 +29,9 @@ enum { TOLERANCE_SAMPLES = 24 };
 /* The model of this scene, by its place in model_table: all in turn but levers. */
 int tolerance_model(int number);
 
-/* Scene `number` of a seed. */
-void tolerance_draw(struct tolerance_scene *s, int number, unsigned seed);
+/* Scene `number` of a seed; loose: with a tolerance of 1e-4 to 1e-2, else of 1e-8 to 1e-3, and half
+ * of them with forces alone at short steps, where auto may take adams. */
+void tolerance_draw(struct tolerance_scene *s, int number, unsigned seed, bool loose);
 
 /* The scene as a motion for the integrator, at its start; fine: with a hundred times smaller errors. */
 void tolerance_motion(const struct tolerance_scene *s, bool fine, struct extrapolation *e);

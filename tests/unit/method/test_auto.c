@@ -50,6 +50,10 @@ TEST(auto_choice)
         check_choice(hertzian[i], 0.0015, 0.0, &taylor);
         check_choice(hertzian[i], 0.0015, 1e-9, &taylor);
         check_choice(hertzian[i], 0.02, 1e-4, &rk4);
+        check_choice(hertzian[i], 0.0249, 1e-3, &adams);
+        check_choice(hertzian[i], 0.0251, 1e-3, &rk4);
+        check_choice(hertzian[i], 0.0249, 0.99e-3, &rk4);
+        check_choice(hertzian[i], 0.0249, 0.011, &rk4);
         check_choice(hertzian[i], 0.19, 0.05, &rk4);
         check_choice(hertzian[i], 0.21, 0.05, &taylor); /* rk4 does not take this step */
         check_choice(hertzian[i], 1.0, 0.1, &taylor);
@@ -152,6 +156,9 @@ TEST(auto_bits)
     paper[paper_index(&hertz_rig, "a_stiff")] = 0.2;
     check_bits_of(&hertz_rig, paper, 0.05, 1e-3, lost, &rk4);
     check_bits_of(&hertz_rig, paper, 0.05, 0.0, lost, &taylor);
+    paper[paper_index(&hertz_rig, "a_stiff")] = 0.0;
+    paper[paper_index(&hertz_rig, "sigma")] = 0.5;
+    check_bits_of(&hertz_rig, paper, 0.02, 1e-3, lost, &adams);
     paper_defaults(&hertz_rig_cubic, paper);
     check_bits_of(&hertz_rig_cubic, paper, 0.05, 0.0, inside, &taylor);
     paper_defaults(&hertz_rig_linear, paper);

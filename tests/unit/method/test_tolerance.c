@@ -9,6 +9,7 @@
 #include "firmware/method/auto.h"
 #include "firmware/plant/plant.h"
 #include "firmware/plant/plant_change.h"
+#include "firmware/plant/plant_report.h"
 #include "models/reduced/hertz_rig_reduced.h"
 #include "models/rolling_contact.h"
 
@@ -111,4 +112,43 @@ TEST(tolerance_drives)
     check_string("beforehand: silence", auto_choice(&hertz_rig, pl.p, h, tol, none, &pl.scale)->name, "rk4");
     check_string("beforehand: a fast drive", auto_choice(&hertz_rig, pl.p, h, tol, drive, &pl.scale)->name,
                  "taylor");
+}
+
+/* The next ticks run by this method, and the books close. */
+static void check_serves(const char *text, struct plant *pl, const struct method *expected)
+{
+    check_true("finite", plant_run(pl, 100));
+    check_string(text, auto_now(scratch)->name, expected->name);
+    check_near("residual over what has flowed", plant_residual(pl) / pl->ledger.gross, 0.0, 1e-3);
+}
+
+/* At 1e-3 and short steps adams has forces that stay for a while; what moves the contact or changes from tick
+ * to tick is rk4's. Each keeps its own books. */
+TEST(tolerance_steady_forces)
+{
+    const double h = 0.02;
+    struct plant pl;
+    start_unit(&pl, &hertz_rig, &auto_method, h, 1e-3);
+    plant_drive_start(&pl, RIG_FORCE, 2.0, 0.9 / TWO_PI, 0.0);
+    check_serves("a force, from the start on", &pl, &adams);
+    plant_drive(&pl, RIG_FAST_FORCE, 5000.0, 1.0 / (4.2 * h), 0.0, 0.0);
+    check_serves("and a fast one, four ticks a period", &pl, &adams);
+    plant_drive(&pl, RIG_FAST_FORCE, 0.0, 0.0, 0.0, 0.0);
+    plant_drive(&pl, RIG_BASE, 1e-3, 0.9 / TWO_PI, 0.0, 20.0 * h);
+    check_serves("a base", &pl, &rk4);
+    plant_drive(&pl, RIG_BASE, 0.0, 0.0, 0.0, 20.0 * h);
+    check_serves("silent again", &pl, &adams);
+    plant_drive(&pl, RIG_FORCE, 1.0, 0.9 / TWO_PI, 0.0, 200.0 * h);
+    check_serves("a ramp", &pl, &rk4);
+    check_true("finite", plant_run(&pl, 100));
+    check_serves("behind it", &pl, &adams);
+    for (int k = 0; k < 50; k++) {
+        plant_sample(&pl, RIG_FORCE, 0.1 * (k % 3), 0);
+        check_true("finite", plant_run(&pl, 1));
+    }
+    check_string("a value a tick", auto_now(scratch)->name, "rk4");
+    check_true("finite", plant_run(&pl, 100));
+    plant_sample(&pl, RIG_FORCE, 0.1, 0);
+    check_serves("one in a frame", &pl, &adams);
+    check_above("switches", pl.counts.switches, 2);
 }

@@ -13,8 +13,8 @@
 enum { TICKS = 4000 };
 
 /* At the start of the scene. False: the method refuses. */
-static bool begin(const struct scene *s, const struct method *method, bool no_ledger, double *scratch,
-                  struct plant *pl)
+static bool begin(const struct scene *s, const struct method *method, double tol, bool no_ledger,
+                  double *scratch, struct plant *pl)
 {
     static double event_x[2][PLANT_EVENTS][MODEL_STATES];
     double si[MODEL_PARAMETERS];
@@ -25,6 +25,7 @@ static bool begin(const struct scene *s, const struct method *method, bool no_le
                                    .method = method,
                                    .tick_s = scene_check_step(s),
                                    .dilation = 1.0,
+                                   .tol = tol,
                                    .no_ledger = no_ledger,
                                    .scratch = scratch};
     if (plant_init(pl, &c))
@@ -68,24 +69,28 @@ TEST(plant_no_ledger)
     uint32_t switches = 0;
     int runs = 0, different = 0, events = 0;
     double booked = 0.0;
-    for (int i = 0; i < 2 * SCENES; i++) {
-        const struct scene *s = &scenes_table[i / 2].scene;
-        const struct method *method = i % 2 ? &rk4 : &auto_method;
-        if (!begin(s, method, false, scratch[0], &with) || !begin(s, method, true, scratch[1], &without))
+    for (int i = 0; i < 4 * SCENES; i++) {
+        const struct scene *s = &scenes_table[i / 4].scene;
+        const struct method *const methods[4] = {&auto_method, &rk4, &auto_method, &adams},
+                                   *method = methods[i % 4];
+        double tol = i % 4 < 2 ? 0.0 : 1e-3;
+        if (!begin(s, method, tol, false, scratch[0], &with) ||
+            !begin(s, method, tol, true, scratch[1], &without))
             continue;
         bool on = true;
-        for (int k = 0; k < TICKS && on; k++) {
-            on = plant_run(&with, 1);
-            different += plant_run(&without, 1) != on || differ(&with, &without);
+        for (uint64_t k = 0, n; k < TICKS && on; k += n) {
+            n = 1 + k % 17; /* single ticks and blocks */
+            on = plant_run(&with, n);
+            different += plant_run(&without, n) != on || differ(&with, &without);
             events += events_differ(&with, &without);
         }
         switches += with.counts.switches;
-        booked += without.ledger.gross + fabs(without.peak_force);
+        booked += without.ledger.gross;
         runs++;
     }
-    check_above("runs of the scenes, by auto and rk4", runs, SCENES);
+    check_above("runs of the scenes, by auto, rk4 and adams", runs, SCENES);
     check_above("contact switches in them", switches, 1000.0);
     check_int("ticks after which a plant without a ledger is another", different, 0);
     check_int("events that it tells otherwise", events, 0);
-    check_near("energy and force in its books", booked, 0.0, 0.0);
+    check_near("energy in its books", booked, 0.0, 0.0);
 }
