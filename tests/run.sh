@@ -305,6 +305,7 @@ more compute "a new model in a file pair and a row" tests/new_model/new_model.sh
 more compute "the hardest ticks, far from every bound" build/worst
 more compute "shares on a real Slurm, and by GNU parallel" /usr/bin/python3 tests/cli/test_slurm.py build/contactplant
 more compute "logs and messages in Wireshark" /usr/bin/python3 tests/cli/test_wireshark.py build/contactplant
+more compute "images of the microscope in Gwyddion" /usr/bin/python3 tests/cli/test_gwyddion.py build/contactplant
 more compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py build/dbc_vectors docs/reference/contactplant.dbc \
     docs/reference/protocol.md docs/reference/message_tables.md docs/reference/numbers.md docs/reference/settings.md
 stage compute "the committed .dbc is what the program prints" sh -c '

@@ -1054,6 +1054,7 @@ creep_per_decade = 0.015
 [stage deflection]
 noise_density = 100 fm/sqrt(Hz)
 EOF
+refuses 2 "is below the noise of a cycle: the sensor alone reads up to" scan "$dir/piezo.ini" --set peak_force=5nN --set ticks=2
 cut="scan $dir/piezo.ini --set surface=2 --set pixels=48 --set lines=12 --set pixel_s=2e-3"
 "$program" $cut --out "$dir/whole" 2>/dev/null &
 uncut=$!
@@ -1082,11 +1083,6 @@ verdict "scan: cut off and taken up, equal bytes and nothing left over" $? "$(ca
 "$program" scan --surface "$dir/scan/height.gsf" --set pixels=8 --set lines=2 --set pixel="2 ms" --set pll=1 --out "$dir/from" 2>"$dir/err"
 is "scan of a surface from a file, status" $? 0
 is "scan with a PLL: frequency, too" "$(ls "$dir/from" | grep -c frequency)" 4
-for file in "$dir"/scan/*.gsf; do gwyddion --check "$file" >"$dir/out" 2>&1 || verdict "gwyddion --check $file" 1 "$(cat "$dir/out")"; done
-is "gwyddion identifies height.gsf" "$(gwyddion --identify "$dir/scan/height.gsf" 2>/dev/null | sed 's/.*\[//')" "gsffile, 100]"
-gwyddion --convert-to-gwy="$dir/all.gwy" "$dir"/scan/*.gsf >"$dir/out" 2>&1
-verdict "gwyddion converts all channels" $? "$(cat "$dir/out")"
-is "gwyddion: channels" "$(grep -ao '/[0-9]*/data/title' "$dir/all.gwy" | sort -u | wc -l)" 10
 cat >"$dir/read.py" <<'EOF'
 import struct, sys
 data = open(sys.argv[1], "rb").read()
