@@ -202,6 +202,26 @@ static double complex peak_path(double complex s)
     return height_path(s) * cexp(-s * 0.25 * cycle_s());
 }
 
+/* ---- AGC: the amplitude of a free lever follows a set point, by its one pole ---- */
+
+static void begin_agc(void)
+{
+    begin(70e3, 400.0, 1e-6);
+    number[STATION_Z_LOOP] = 0.0;
+    number[STATION_AGC] = 1.0;
+}
+
+static double complex agc_loop(double complex s)
+{
+    return number[STATION_AGC_KI] * integral(s) * held(s, station.sample_s) * low_pass(s) /
+           (1.0 + s * known.tau);
+}
+
+static double amplitude(void)
+{
+    return station.lockin[0].amplitude;
+}
+
 /* ---- PLL and DART: the frequency follows the resonance ----
  *
  * The attraction F = -H R/(6 d^2) shifts the resonance by -f0 H R/(6 k d^3), so the surface moves it. The
@@ -273,7 +293,7 @@ struct loop_case {
     double complex (*loop)(double complex s);
     double complex (*path)(double complex s); /* from the height to the output, beside the loop */
     double (*output)(void);
-    double height;               /* that moves, m */
+    double moved;                /* the height, m */
     double step_s, most_Hz;      /* how long a step is seen; above all crossings of the phase */
     double share, degrees, step; /* allowed */
     double tone[6];
@@ -292,6 +312,8 @@ static const struct loop_case z_case[] = {
 }, other_case[] = {
     {"peak force", begin_peak, peak_loop, peak_path, lowest, 100e-12, 10e-3, 5e3, 0.02, 1.0, 0.015,
      {10, 30, 100, 200, 400, 700}},
+    {"AGC", begin_agc, agc_loop, late, amplitude, 1e-9, 20e-3, 2e4, 0.003, 0.15, 0.003,
+     {20, 50, 100, 200, 300, 600}},
     {"PLL", begin_pll, pll_loop, attraction_path, frequency, 10e-12, 10e-3, 2e4, 0.003, 0.15, 0.015,
      {50, 100, 300, 600, 1000, 2000}},
     {"DART", begin_dart, dart_loop, attraction_path, frequency, 10e-12, 20e-3, 1e4, 0.003, 0.15, 0.03,
@@ -320,9 +342,11 @@ static double ramped(long i)
     return fmin(1.0, (double)i * station.sample_s / ramp_s());
 }
 
-static bool sample(double height)
+/* The height below the tip moves, and the set point of the AGC. */
+static bool sample(double moved)
 {
-    struct microscope_in in = at_height(height);
+    struct microscope_in in = at_height(moved);
+    station.number[STATION_AGC_SETPOINT] = number[STATION_AGC_SETPOINT] + moved;
     return station_run(&station, &in);
 }
 
@@ -365,6 +389,7 @@ static void from_settled(double gain)
     piezo = settled_piezo;
     known.gain = gain;
     station.z.ki *= gain;
+    station.agc.ki *= gain;
     station.dart.ki *= gain;
     station.pll.ki *= gain;
     station.pll.kp *= gain;
@@ -379,14 +404,14 @@ static double complex respond(const struct loop_case *c, double hz)
     long n = lround(periods / hz / station.sample_s);
     for (long i = 0; i < 2 * n; i++) {
         double turn = 2.0 * PI * hz * station.sample_s, hann = 1.0 - cos(2.0 * PI * (double)i / (double)n);
-        if (!sample(c->height * cos(turn * (double)i)))
+        if (!sample(c->moved * cos(turn * (double)i)))
             return (double)NAN;
         if (i < n || !told())
             continue;
         weight += hann;
         sum += hann * (c->output() - first) * cexp(-i_unit * turn * (double)(i + 1));
     }
-    return 2.0 * sum / weight / c->height;
+    return 2.0 * sum / weight / c->moved;
 }
 
 static void check_tones(const struct loop_case *c)
@@ -494,13 +519,13 @@ static void check_step(const struct loop_case *c)
     double first = settled_output, sum = 0.0;
     int cycles = 0;
     for (long i = 1; i <= lround(c->step_s / station.sample_s); i++) {
-        if (!sample(c->height * ramped(i - 1)))
+        if (!sample(c->moved * ramped(i - 1)))
             check_true("finite", false);
         cycles += told();
         sum += i % each == 0 || each - i % each < mean ? c->output() / (double)mean : 0.0;
         if (i % each)
             continue;
-        double t = (double)i * station.sample_s, value = (sum - first) / (c->height * flat);
+        double t = (double)i * station.sample_s, value = (sum - first) / (c->moved * flat);
         double closed_form = step_now(t, cycles);
         sum = 0.0;
         worst = fmax(worst, fabs(value - closed_form));
@@ -540,7 +565,7 @@ static double grown(const struct loop_case *c, double gain, double seconds)
     long mean = mean_samples();
     long n = lround(seconds / station.sample_s) / mean * mean;
     for (long i = 0; i < n; i++) {
-        if (!sample(c->height * ramped(i)))
+        if (!sample(c->moved * ramped(i)))
             return (double)NAN;
         sum += c->output() / (double)mean;
         if ((i + 1) % mean)
@@ -582,7 +607,7 @@ TEST(afm_closed_z)
     check_loops(z_case, 3);
 }
 
-TEST(afm_closed_peak_pll_dart)
+TEST(afm_closed_peak_agc_pll_dart)
 {
-    check_loops(other_case, 3);
+    check_loops(other_case, 4);
 }
