@@ -250,21 +250,16 @@ static int print_bus(const struct usage *u, int argc, char **argv,
 {
     struct options o;
     struct scene_app s = {.scratch = NULL};
-    char why[SCENE_REASON];
     int status;
     if (!options_parse(&o, u, argc, argv, &status))
         return status;
-    if (!scene_from_options(&s, &o, 0))
-        return STATUS_MISUSED;
-    if (!scene_start(&s, NULL, why)) {
-        scene_free(&s);
-        return options_misuse(u, "%s", why);
-    }
-    const struct bus_scene b = {
-        .model = s.config.model, .wire = s.app.scene, .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation};
-    print(stdout, &b);
+    status = scene_open(&s, &o, 0, NULL);
+    if (!status)
+        print(stdout, &(struct bus_scene){.model = s.config.model,
+                                          .wire = s.app.scene,
+                                          .f0_Hz = scene_resonance_Hz(&s) * s.config.dilation});
     scene_free(&s);
-    return STATUS_DONE;
+    return status;
 }
 
 int cmd_dbc(int argc, char **argv)

@@ -24,6 +24,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "host_sim/choose/choose_cost.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/range.h"
 
 enum {
@@ -42,14 +43,6 @@ struct choose_sweep {
     int input;
     struct range Hz; /* real plant; either end may be the higher one */
 };
-
-/* A scene's parameters and drives in SI, and what its model makes of them. */
-struct choose_prepared {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS];
-    struct scale scale;
-};
-void choose_prepare(const struct scene *s, struct choose_prepared *o);
 
 /* The kinds of candidates. Each kind has its own tests and conditions. They are bits, so that several
  * kinds may share a test. */

@@ -25,8 +25,8 @@ static double frame_s(const struct scene *s)
 
 static void find_work(const struct search *o, const struct scene *s, struct choose_work *w)
 {
-    struct choose_prepared at;
-    choose_prepare(s, &at);
+    struct scene_point at;
+    point_of_scene(s, &at);
     *w = (struct choose_work){.scene = s};
     for (int i = 0; i < s->model->n_inputs; i++) {
         bool wakes = fabs(at.drive[i].amplitude) > 0.0 || s->drive[i].noise > 0.0;
@@ -75,8 +75,8 @@ static bool is_lost(const struct search *o, const struct scene *s)
 static double worth_trying(const struct search *o, const struct scene *s)
 {
     double tol = o->c->scene.tolerance;
-    struct choose_prepared at;
-    choose_prepare(s, &at);
+    struct scene_point at;
+    point_of_scene(s, &at);
     double angle = is_lost(o, s) ? pow(tol / kink_share, 0.4) : pow(tol / smooth_share, 0.25);
     return s->model->eigenfrequency(at.p) / at.scale.time_s * frame_s(s) / angle;
 }

@@ -55,25 +55,19 @@ static bool sounds(const struct harmonic *d)
     return d->amplitude < 0.0 || d->amplitude > 0.0;
 }
 
-void choose_prepare(const struct scene *s, struct choose_prepared *o)
-{
-    scenes_resolve(s, o->si, o->drive);
-    s->model->prepare(o->si, o->p, &o->scale);
-}
-
 /* The state at the start, in model units of its own model. */
-static void begin_state(const struct scene *s, struct choose_prepared *o, double *x)
+static void begin_state(const struct scene *s, struct scene_point *o, double *x)
 {
-    choose_prepare(s, o);
+    point_of_scene(s, o);
     scenes_begin(s, o->si, o->drive, x);
 }
 
 /* Makes the reduced model start in state x (model units). */
 static void put_start(struct scene *s, const double *x)
 {
-    struct choose_prepared o;
+    struct scene_point o;
     struct input silent[MODEL_INPUTS] = {{0.0, 0.0}};
-    choose_prepare(s, &o);
+    point_of_scene(s, &o);
     s->started = true;
     if (s->paper)
         s->model->paper_state(o.p, silent, x, s->start);
@@ -110,7 +104,7 @@ static const char *take_fast(const struct scene *full, const struct harmonic *dr
 static const char *to_averaged(const struct scene *full, const struct fast *own, struct scene *candidate)
 {
     double x[MODEL_STATES], x_dot[2][MODEL_STATES], cosine, sine;
-    struct choose_prepared o;
+    struct scene_point o;
     struct input u[MODEL_INPUTS] = {{0.0, 0.0}};
     int fast;
     begin_state(full, &o, x);
@@ -148,7 +142,7 @@ void choose_ladder_modes(const double *p, double shape[3][3], const double *x, d
 static const char *to_mode(const struct scene *full, struct scene *candidate, int mode)
 {
     double x[MODEL_STATES], q[2][3], shape[3][3], one[MODEL_STATES] = {0.0};
-    struct choose_prepared o;
+    struct scene_point o;
     candidate->value[candidate->paper ? (int)SHAFT_PAPER_MODE : (int)SHAFT_MODE] = mode;
     if (!full->started)
         return NULL;

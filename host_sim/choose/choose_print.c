@@ -164,8 +164,8 @@ static void print_models(FILE *out, const struct choose_certificate *c)
 
 static void print_lever(FILE *out, const struct choose_certificate *c)
 {
-    struct choose_prepared at;
-    choose_prepare(&c->scene, &at);
+    struct scene_point at;
+    point_of_scene(&c->scene, &at);
     double a0 = at.si[LEVER_A0], unit_m = at.scale.length_m;
     ROW("MOTION", "gap from %.4g to %.4g m, %g contact switches, %.3g %% of the time without contact",
         a0 - c->high * unit_m, a0 - c->low * unit_m, c->switches, 100.0 * c->loss);

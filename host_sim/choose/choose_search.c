@@ -110,9 +110,9 @@ static void pick(struct choose_certificate *c)
 static double given(const struct search *o)
 {
     struct choose_attempt t = {.scene = o->c->scene};
-    struct choose_prepared at;
+    struct scene_point at;
     const struct method *m = method_find(t.scene.method);
-    choose_prepare(&t.scene, &at);
+    point_of_scene(&t.scene, &at);
     if (t.scene.model->modal_form)
         m = &modal; /* rk4 is its check, and is priced so */
     else if (m == &auto_method)

@@ -16,8 +16,8 @@ static const double far_nudge = 1e-3; /* model units */
 /* Why a scene's method takes no step of its model, or `otherwise`. */
 static const char *refusal(const struct scene *s, const char *otherwise)
 {
-    struct choose_prepared at;
-    choose_prepare(s, &at);
+    struct scene_point at;
+    point_of_scene(s, &at);
     double h = s->frame_s / s->dilation / CHOOSE_SUBSTEPS / at.scale.time_s;
     const char *why = method_find(s->method)->refuse(s->model, at.p, h, s->tolerance);
     return why ? why : otherwise;
@@ -132,8 +132,8 @@ static double erratic(const struct scene *s)
 /* The observable's model unit, SI on the bus. */
 static double unit_of(const struct scene *s)
 {
-    struct choose_prepared at;
-    choose_prepare(s, &at);
+    struct scene_point at;
+    point_of_scene(s, &at);
     at.scale.time_s *= s->dilation;
     return scale_of(&at.scale, s->model->output_signal[(int)s->observable].quantity);
 }

@@ -25,7 +25,7 @@ struct watched {
     const struct choose_attempt *t;
     const struct model *m;
     bool dimensionless, series, touches;
-    struct choose_prepared at;
+    struct scene_point at;
     double rate_Hz, drive_Hz,
         drive_most_Hz; /* eigenfrequency; fastest drive, and the fastest that the step allows */
 };
@@ -336,7 +336,7 @@ void choose_watch(struct choose_certificate *c)
     o.series = choose_method[c->method]->order == 0;
     o.dimensionless = scenes_dimensionless(&o.t->scene);
     o.touches = c->high > 0.0 || o.t->reach[1] > 0.0;
-    choose_prepare(&o.v->candidate.scene, &o.at);
+    point_of_scene(&o.v->candidate.scene, &o.at);
     o.rate_Hz = o.m->eigenfrequency(o.at.p) / o.at.scale.time_s / TURN_RAD;
     o.drive_most_Hz = 1.0 / (DRIVE_TICKS_MIN * scene_check_step(&o.t->scene));
     for (int i = 0; i < o.m->n_inputs; i++)

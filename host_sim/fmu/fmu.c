@@ -317,11 +317,8 @@ static const uint64_t state_magic = 0x3165746174736D66u;
 
 static uint64_t state_check(const struct state_header *h)
 {
-    const unsigned char *byte = (const unsigned char *)&h->size, *end = (const unsigned char *)(h + 1);
-    uint64_t hash = 0xCBF29CE484222325u;
-    for (; byte < end; byte++)
-        hash = (hash ^ *byte) * 0x100000001B3u;
-    return hash;
+    const size_t before = offsetof(struct state_header, size);
+    return library_hash(LIBRARY_HASH, (const char *)h + before, sizeof *h - before);
 }
 
 static size_t state_size(struct fmu *f)

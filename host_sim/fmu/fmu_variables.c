@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include "models/math/elementary.h"
 
 STATIC_ASSERT(MODEL_INPUTS *FMU_DRIVE_FIELDS < FMU_REFERENCES && (int)MODEL_PARAMETERS < FMU_REFERENCES,
@@ -21,21 +22,26 @@ static const struct {
 const char *const fmu_type_name[] = {
     [FMU_FLOAT64] = "Float64", [FMU_UINT64] = "UInt64", [FMU_CLOCK] = "Clock"};
 
+/* A kind is one variable with this name; or, without one, those numbers of the plant. */
+static const struct {
+    enum fmu_type type;
+    const char *name, *unit, *meaning;
+    enum contactplant_kind of;
+} kind_table[FMU_KINDS] = {
+    [FMU_TIME] = {FMU_FLOAT64, "time", "s", "plant time, from the start time on", 0},
+    [FMU_INPUT] = {FMU_FLOAT64, NULL, NULL, NULL, CONTACTPLANT_INPUT},
+    [FMU_OUTPUT] = {FMU_FLOAT64, NULL, NULL, NULL, CONTACTPLANT_OUTPUT},
+    [FMU_SWITCHES] = {FMU_UINT64, "contact_switches", "1", "contacts made or broken since the start", 0},
+    [FMU_RESIDUAL] = {FMU_FLOAT64, "energy_residual", "J", "what the energy balance cannot account for", 0},
+    [FMU_PARAMETER] = {FMU_FLOAT64, NULL, NULL, NULL, CONTACTPLANT_PARAMETER},
+    [FMU_DRIVE] = {FMU_FLOAT64, NULL, NULL, NULL, CONTACTPLANT_INPUT},
+    [FMU_CONTACT] = {FMU_CLOCK, "contact", "1", "ticks where a contact closes, in event mode", 0}};
+
 /* How many variables there are of a kind. */
 static int count(struct contactplant *p, enum fmu_kind kind)
 {
-    switch (kind) {
-    case FMU_INPUT:
-        return contactplant_count(p, CONTACTPLANT_INPUT);
-    case FMU_OUTPUT:
-        return contactplant_count(p, CONTACTPLANT_OUTPUT);
-    case FMU_PARAMETER:
-        return contactplant_count(p, CONTACTPLANT_PARAMETER);
-    case FMU_DRIVE:
-        return contactplant_count(p, CONTACTPLANT_INPUT) * FMU_DRIVE_FIELDS;
-    default:
-        return 1;
-    }
+    int n = kind_table[kind].name ? 1 : contactplant_count(p, kind_table[kind].of);
+    return kind == FMU_DRIVE ? n * FMU_DRIVE_FIELDS : n;
 }
 
 static void of_plant(struct contactplant *p, enum contactplant_kind kind, struct fmu_variable *v)
@@ -60,50 +66,28 @@ static void of_drive(struct contactplant *p, struct fmu_variable *v)
     snprintf(v->meaning, sizeof v->meaning, "%s: %s", n.meaning, field_table[v->field].meaning);
 }
 
-static void of_instance(struct fmu_variable *v, const char *name, const char *unit, const char *meaning)
+static void of_instance(struct fmu_variable *v)
 {
-    v->unit = unit;
-    snprintf(v->name, sizeof v->name, "%s", name);
-    snprintf(v->meaning, sizeof v->meaning, "%s", meaning);
+    v->unit = kind_table[v->kind].unit;
+    snprintf(v->name, sizeof v->name, "%s", kind_table[v->kind].name);
+    snprintf(v->meaning, sizeof v->meaning, "%s", kind_table[v->kind].meaning);
 }
 
 static void fill(struct contactplant *p, enum fmu_kind kind, int slot, struct fmu_variable *v)
 {
     *v = (struct fmu_variable){.kind = kind,
-                               .type = kind == FMU_SWITCHES  ? FMU_UINT64
-                                       : kind == FMU_CONTACT ? FMU_CLOCK
-                                                             : FMU_FLOAT64,
+                               .type = kind_table[kind].type,
                                .index = kind == FMU_DRIVE ? slot / FMU_DRIVE_FIELDS : slot,
                                .field = kind == FMU_DRIVE ? slot % FMU_DRIVE_FIELDS : 0,
                                .reference = (uint32_t)kind * FMU_REFERENCES + (uint32_t)slot,
                                .min = -HUGE_VAL,
                                .max = HUGE_VAL};
-    switch (kind) {
-    case FMU_INPUT:
-        of_plant(p, CONTACTPLANT_INPUT, v);
-        break;
-    case FMU_OUTPUT:
-        of_plant(p, CONTACTPLANT_OUTPUT, v);
-        break;
-    case FMU_PARAMETER:
-        of_plant(p, CONTACTPLANT_PARAMETER, v);
-        break;
-    case FMU_DRIVE:
+    if (kind_table[kind].name)
+        of_instance(v);
+    else if (kind == FMU_DRIVE)
         of_drive(p, v);
-        break;
-    case FMU_SWITCHES:
-        of_instance(v, "contact_switches", "1", "contacts made or broken since the start");
-        break;
-    case FMU_CONTACT:
-        of_instance(v, "contact", "1", "ticks where a contact closes, in event mode");
-        break;
-    case FMU_RESIDUAL:
-        of_instance(v, "energy_residual", "J", "what the energy balance cannot account for");
-        break;
-    default:
-        of_instance(v, "time", "s", "plant time, from the start time on");
-        break;
-    }
+    else
+        of_plant(p, kind_table[kind].of, v);
 }
 
 bool fmu_variable_find(struct contactplant *p, uint32_t reference, struct fmu_variable *v)
@@ -144,17 +128,12 @@ double fmu_drive_begin(const struct contactplant *p, int input, int field)
     }
 }
 
-static uint64_t mix(uint64_t hash, const char *text)
-{
-    for (; *text; text++)
-        hash = (hash ^ (unsigned char)*text) * 0x100000001B3u;
-    return hash;
-}
-
 void fmu_token(const char *scene, char token[FMU_TOKEN])
 {
-    uint64_t a = mix(mix(0xCBF29CE484222325u, CONTACTPLANT_VERSION "\n"), scene);
-    uint64_t b = mix(mix(a, "\n" CONTACTPLANT_VERSION), scene);
+    static const char before[] = CONTACTPLANT_VERSION "\n", between[] = "\n" CONTACTPLANT_VERSION;
+    size_t n = strlen(scene);
+    uint64_t a = library_hash(library_hash(LIBRARY_HASH, before, sizeof before - 1), scene, n);
+    uint64_t b = library_hash(library_hash(a, between, sizeof between - 1), scene, n);
     snprintf(token, FMU_TOKEN, "{%08x-%04x-%04x-%04x-%012llx}", (unsigned)(a >> 32),
              (unsigned)(a >> 16 & 0xFFFF), (unsigned)(a & 0xFFFF), (unsigned)(b >> 48),
              (unsigned long long)(b & 0xFFFFFFFFFFFFu));

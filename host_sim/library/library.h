@@ -60,6 +60,10 @@ bool library_memory_fits(const void *memory, size_t size, size_t needed, struct 
 /* The app of a plant on a bus starts anew, by its configuration. */
 int library_start(struct contactplant *p, struct contactplant_error *e);
 
+/* FNV-1a over n bytes, after `hash` of those before. */
+#define LIBRARY_HASH 0xCBF29CE484222325u
+uint64_t library_hash(uint64_t hash, const void *bytes, size_t n);
+
 bool library_ring_put(struct library_ring *r, uint32_t depth, const struct frame *f);
 bool library_ring_take(struct library_ring *r, struct frame *f);
 

@@ -21,7 +21,7 @@ struct header {
 
 static const uint64_t magic = 0x31746C7063706E73u; /* another order of bytes is another number */
 
-static uint64_t mix(uint64_t hash, const void *bytes, size_t n)
+uint64_t library_hash(uint64_t hash, const void *bytes, size_t n)
 {
     const unsigned char *b = bytes;
     for (size_t i = 0; i < n; i++)
@@ -29,20 +29,20 @@ static uint64_t mix(uint64_t hash, const void *bytes, size_t n)
     return hash;
 }
 
-static uint64_t mix_text(uint64_t hash, const char *text)
+static uint64_t hash_text(uint64_t hash, const char *text)
 {
-    return mix(hash, text, strlen(text) + 1);
+    return library_hash(hash, text, strlen(text) + 1);
 }
 
 /* Model, method, tick and identity on the bus. */
 static uint64_t scene_check_of(const struct contactplant *p)
 {
     const struct app_config *c = &p->scene.config;
-    uint64_t hash = mix_text(mix_text(0xCBF29CE484222325u, c->model->name), c->method->name);
+    uint64_t hash = hash_text(hash_text(LIBRARY_HASH, c->model->name), c->method->name);
     const double number[] = {c->frame_s,         c->dilation,        c->tol,
                              c->substeps,        c->base_id,         p->scene.watch.observable,
                              p->scene.watch.low, p->scene.watch.high};
-    return mix(hash, number, sizeof number);
+    return library_hash(hash, number, sizeof number);
 }
 
 static size_t capture_bytes(const struct contactplant *p)
@@ -117,7 +117,7 @@ size_t contactplant_save_size(struct contactplant *p)
 
 static uint64_t check_of(const unsigned char *at, size_t size)
 {
-    return mix(0, at + offsetof(struct header, size), size - offsetof(struct header, size));
+    return library_hash(0, at + offsetof(struct header, size), size - offsetof(struct header, size));
 }
 
 int contactplant_save(struct contactplant *p, void *bytes, size_t size)
@@ -209,7 +209,8 @@ static struct header afm_header_of(const struct contactplant_afm *a)
                        .version = CONTACTPLANT_VERSION,
                        .abi = CONTACTPLANT_ABI,
                        .layout = (uint32_t)(sizeof(void *) << 24 | sizeof(struct contactplant_afm)),
-                       .scene = mix(mix(0, a->si, sizeof a->si), &a->tick_s, sizeof a->tick_s)};
+                       .scene =
+                           library_hash(library_hash(0, a->si, sizeof a->si), &a->tick_s, sizeof a->tick_s)};
     return h;
 }
 

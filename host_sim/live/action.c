@@ -2,7 +2,6 @@
 #include "host_sim/live/action.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include "firmware/bus/wire.h"
@@ -14,15 +13,7 @@
 #include "host_sim/scene/scene_words.h"
 
 /* One line into why[SCENE_REASON]; always false. */
-static bool wrong(char *why, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static bool wrong(char *why, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(why, SCENE_REASON, format, arguments);
-    va_end(arguments);
-    return false;
-}
+#define wrong(why, ...) (snprintf(why, SCENE_REASON, __VA_ARGS__) < 0)
 
 static bool read_nothing(const struct model *m, struct word rest, struct action *a, char *why)
 {

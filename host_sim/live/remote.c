@@ -6,12 +6,10 @@
 
 int remote_open(struct remote *t, const struct options *o, enum bus_role role, int i_word)
 {
-    char why[SCENE_REASON];
-    if (!scene_from_options(&t->scene, o, i_word))
-        return STATUS_MISUSED;
-    if (!scene_start(&t->scene, NULL, why))
-        return options_misuse(o->usage, "%s", why);
-    int status = bus_open_options(&t->bus, o, role, &t->scene.app.scene);
+    int status = scene_open(&t->scene, o, i_word, NULL);
+    if (status)
+        return status;
+    status = bus_open_options(&t->bus, o, role, &t->scene.app.scene);
     client_init(&t->client, &t->bus.hal, &t->scene.app.scene);
     t->link = (struct client_link){.context = &t->bus, .wait = bus_wait};
     t->client.link = &t->link;

@@ -52,12 +52,6 @@ int maps_load_method(struct maps *m, double tol_most)
     return 0;
 }
 
-void maps_resolve(const struct scene *s, struct maps_point *q)
-{
-    scenes_resolve(s, q->si, q->drive);
-    s->model->prepare(q->si, q->p, &q->scale);
-}
-
 /* The drive's frequency or amplitude at 1, where it is twice as much at 2; else 0. */
 static double proportion(const struct scene *s, const struct scene_range *r, int input, bool frequency)
 {
@@ -177,8 +171,8 @@ int maps_identify(struct maps *m, const char *kind, maps_say *say, const void *c
 
 int maps_compute(struct maps *m, struct jobs *j)
 {
-    struct maps_point q;
-    maps_resolve(&m->scene, &q);
+    struct scene_point q;
+    point_of_scene(&m->scene, &q);
     if (scene_load_warns(m->origin, m->scene.model))
         scene_load_warn(m->o.usage->name, m->scene.model, q.si, q.drive);
     j->options = &m->o;
@@ -224,7 +218,7 @@ static int write_figure(const struct maps *m, const struct rows_table *t, const 
                         void *context, const char *summary)
 {
     struct figure g;
-    struct maps_point q;
+    struct scene_point q;
     if (!options_given(&m->o, "svg") && !options_given(&m->o, "report"))
         return 0;
     int status = figure_begin(&g, &m->o, m->name);
@@ -234,7 +228,7 @@ static int write_figure(const struct maps *m, const struct rows_table *t, const 
         put_words(&g, summary);
     const char *why = what->draw(context, t, &g);
     g.why = g.why ? g.why : why;
-    maps_resolve(&m->scene, &q);
+    point_of_scene(&m->scene, &q);
     if (figure_page(&g))
         html_scene(figure_page(&g), &m->scene, m->scene.model, q.si);
     return figure_end(&g, &m->o);

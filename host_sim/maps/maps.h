@@ -6,6 +6,7 @@
 #include "firmware/plant/plant.h"
 #include "host_sim/maps/rows.h"
 #include "host_sim/report/figure.h"
+#include "host_sim/scene/plant_of_scene.h"
 #include "host_sim/scene/scene_load.h"
 #include "host_sim/scene/scene_range.h"
 
@@ -32,14 +33,6 @@ int maps_load(struct maps *m);
 
 /* The method of --method or the scene; the tolerance of --tol, or the scene's but at most tol_most. */
 int maps_load_method(struct maps *m, double tol_most);
-
-/* The scene's parameters and drives in SI, and in model units. */
-struct maps_point {
-    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
-    struct harmonic drive[MODEL_INPUTS]; /* SI */
-    struct scale scale;
-};
-void maps_resolve(const struct scene *s, struct maps_point *q);
 
 /* The first number of the scene that the frequency (else the amplitude) of this input's drive is
  * proportional to, and by what factor. False: there is none. */

@@ -305,7 +305,7 @@ int cmd_compare(int argc, char **argv)
     int status;
     if (!options_parse(&o, &compare_usage, argc, argv, &status))
         return status;
-    status = decode_scene(&scene, &o, OPTIONS_WORDS);
+    status = scene_open(&scene, &o, OPTIONS_WORDS, NULL);
     status = status ? status : compare_allow(&c, &o, o.word + 2, o.n_words - 2);
     if (!status) {
         for (int i = 0; i < 2; i++) {

@@ -133,7 +133,7 @@ int cmd_decode(int argc, char **argv)
     int status;
     if (!options_parse(&o, &decode_usage, argc, argv, &status))
         return status;
-    status = decode_scene(&scene, &o, 1);
+    status = scene_open(&scene, &o, 1, NULL);
     if (!status && !(status = open_log(&d, &o, o.word[0], &scene))) {
         status = decode_files(&d, &o, scene.config.model);
         if (!status)

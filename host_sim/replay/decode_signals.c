@@ -42,14 +42,6 @@ void decode_name(const struct model *m, int i, char text[DECODE_NAME])
     snprintf(text, DECODE_NAME, "%s%s", i < DECODE_OUTPUTS ? "" : "command_", decode_signal(m, i)->name);
 }
 
-int decode_scene(struct scene_app *s, const struct options *o, int i_word)
-{
-    char why[SCENE_REASON];
-    if (!scene_from_options(s, o, i_word))
-        return STATUS_MISUSED;
-    return scene_start(s, NULL, why) ? 0 : options_misuse(o->usage, "%s", why);
-}
-
 int decode_no_rows(const struct options *o, const char *path)
 {
     return options_failure(o->usage, "%s has no SYNC of this plant; is its --base-id another one?", path);

@@ -29,10 +29,6 @@ void decode_name(const struct model *m, int i, char text[DECODE_NAME]);
 void decode_put_header(FILE *f, const struct model *m);
 void decode_put_row(FILE *f, const struct model *m, const struct decode_row *r);
 
-/* The scene that the options name, for its identity and
- * tick. 0, or the exit status after a line on stderr. */
-int decode_scene(struct scene_app *s, const struct options *o, int i_word);
-
 /* The failure of a log without rows. */
 int decode_no_rows(const struct options *o, const char *path);
 

@@ -178,7 +178,7 @@ int cmd_export(int argc, char **argv)
     if (!options_parse(&o, &export_usage, argc, argv, &status))
         return status;
     int n = o.n_words;
-    status = decode_scene(&scene, &o, OPTIONS_WORDS);
+    status = scene_open(&scene, &o, OPTIONS_WORDS, NULL);
     if (!status && !(status = open_sources(source, n, &o, &scene))) {
         status = write_all(source, n, &o, scene.config.model);
         for (int i = 0; i < n; i++) {

@@ -124,11 +124,9 @@ static int report(const struct again *g, int got)
  * exit status. */
 static int attempt(struct again *g, int *got)
 {
-    char why[SCENE_REASON];
-    if (!scene_from_options(&g->scene, g->o, 1))
-        return STATUS_MISUSED;
-    if (!scene_start(&g->scene, &g->replay.hal, why))
-        return options_misuse(g->o->usage, "%s", why);
+    int status = scene_open(&g->scene, g->o, 1, &g->replay.hal);
+    if (status)
+        return status;
     const char *reason = replay_open(&g->replay, g->o->word[0], options_text(g->o, "interface", 0),
                                      &g->scene.app.scene, g->scene.config.frame_s, is_timing);
     if (reason)

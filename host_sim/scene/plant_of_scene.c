@@ -5,6 +5,12 @@
 #include "firmware/plant/plant_change.h"
 #include "host_sim/scene/scene_check.h"
 
+void point_of_scene(const struct scene *s, struct scene_point *q)
+{
+    scenes_resolve(s, q->si, q->drive);
+    s->model->prepare(q->si, q->p, &q->scale);
+}
+
 struct plant_config plant_config_of_scene(const struct scene *s, const double *si, double *scratch)
 {
     return (struct plant_config){.model = s->model,

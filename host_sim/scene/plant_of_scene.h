@@ -1,9 +1,17 @@
-/* plant_of_scene.h - a plant from a scene, for all that run one without a bus. */
+/* plant_of_scene.h - a scene's numbers, and a plant from it, for all that run one without a bus. */
 #ifndef HOST_SIM_PLANT_OF_SCENE_H
 #define HOST_SIM_PLANT_OF_SCENE_H
 
 #include "firmware/plant/plant.h"
 #include "models/scenes/scenes.h"
+
+/* A scene's parameters and drives in SI, and what its model makes of them. */
+struct scene_point {
+    double si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+    struct harmonic drive[MODEL_INPUTS]; /* SI */
+    struct scale scale;
+};
+void point_of_scene(const struct scene *s, struct scene_point *q);
 
 /* Gives plant_init what the scene says: its method, tolerance and dilation, and a tick of its step on the
  * bus. The caller changes what it knows better. si: as of scenes_resolve. scratch: as the method needs.

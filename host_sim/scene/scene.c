@@ -1,5 +1,6 @@
 /* scene.c - see scene.h. */
 #include "host_sim/scene/scene.h"
+#include "host_sim/commands.h"
 #include "host_sim/scene/scene_words.h"
 #include "models/models.h"
 
@@ -182,4 +183,12 @@ bool scene_from_options(struct scene_app *s, const struct options *o, int i_word
         return true;
     options_misuse(o->usage, "%s", why);
     return false;
+}
+
+int scene_open(struct scene_app *s, const struct options *o, int i_word, const struct hal *hal)
+{
+    char why[SCENE_REASON];
+    if (!scene_from_options(s, o, i_word))
+        return STATUS_MISUSED;
+    return scene_start(s, hal, why) ? 0 : options_misuse(o->usage, "%s", why);
 }

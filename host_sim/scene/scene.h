@@ -24,6 +24,10 @@ bool scene_start(struct scene_app *s, const struct hal *hal, char *why);
  * model. False after a line on stderr. */
 bool scene_from_options(struct scene_app *s, const struct options *o, int i_word);
 
+/* scene_from_options and scene_start. 0, or the exit status after a line on stderr; scene_free in any case.
+ */
+int scene_open(struct scene_app *s, const struct options *o, int i_word, const struct hal *hal);
+
 /* scene_init of this name, and everything the options say. False: why[SCENE_REASON] says what to do. */
 bool scene_from_name(struct scene_app *s, const struct options *o, const char *name, char *why);
 

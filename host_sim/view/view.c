@@ -416,7 +416,7 @@ static int compare(struct view *v, const struct options *o)
 
 int view_open(struct view *v, const struct options *o)
 {
-    int status = decode_scene(&v->scene, o, 0);
+    int status = scene_open(&v->scene, o, 0, NULL);
     v->follows = options_given(o, "follow");
     v->part_s = (double)NAN;
     status = status ? status : set_compare(v, o);

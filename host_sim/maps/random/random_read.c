@@ -53,8 +53,8 @@ static int check_noise(const struct random_runs *r)
 static double settling(const struct random_runs *r)
 {
     static const double falls = 4.6;
-    struct maps_point q;
-    maps_resolve(&r->m.scene, &q);
+    struct scene_point q;
+    point_of_scene(&r->m.scene, &q);
     double rate = 0.5 * maps_damping(r->m.scene.model, q.p) / q.scale.time_s;
     double enough = rate > 0.0 ? falls / rate : HUGE_VAL;
     return fmin(fmax(enough, 0.1 * r->over), 10.0 * r->over);

@@ -104,9 +104,9 @@ static const char *contact_cell(const struct stability *s, const struct scene *s
 {
     static double scratch[METHOD_SCRATCH];
     double step = scene->frame_s;
-    struct maps_point q;
+    struct scene_point q;
     struct outcome truth, method;
-    maps_resolve(scene, &q);
+    point_of_scene(scene, &q);
     double rate = scene->model->eigenfrequency(q.p) / q.scale.time_s, finer = ceil(step * rate / truth_rad);
     uint64_t ticks = ticks_begun(2.0 * ELEMENTARY_PI * s->periods, rate * step);
     struct plant_config c = plant_config_of_real_scene(scene, q.si, step / finer, scratch);

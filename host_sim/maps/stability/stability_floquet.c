@@ -148,7 +148,7 @@ const char *stability_tangent_of(const struct scene *s, struct stability_tangent
 {
     const struct model *m = s->model;
     double x[MODEL_STATES];
-    struct maps_point q;
+    struct scene_point q;
     struct part l = {.stiffness = 0.0};
     int which;
     scenes_resolve(s, q.si, q.drive);
@@ -157,7 +157,7 @@ const char *stability_tangent_of(const struct scene *s, struct stability_tangent
         return why;
     if (!m->hertz_form && !m->polynomial_form)
         return "the stiffness of this model is not modulated: take one with a single Hertzian contact";
-    maps_resolve(s, &q);
+    point_of_scene(s, &q);
     m->rest(q.p, x);
     (m->hertz_form ? part_of_hertz : part_of_polynomial)(m, q.p, x[0], &t->damping, &l);
     int i = choose_input(m, &l, q.drive);

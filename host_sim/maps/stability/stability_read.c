@@ -89,8 +89,8 @@ static const char *choose_floquet(struct stability *s)
 static const char *choose_contact(struct stability *s)
 {
     const struct scene *sc = &s->m.scene;
-    struct maps_point q;
-    maps_resolve(sc, &q);
+    struct scene_point q;
+    point_of_scene(sc, &q);
     double time_s = q.scale.time_s / sc->model->eigenfrequency(q.p);
     if (!s->x.values.n) {
         step_key(sc, &s->x);
@@ -138,13 +138,13 @@ static const char *check_floquet(const struct stability *s, const struct scene *
 
 static const char *check_contact(const struct stability *s, const struct scene *sc)
 {
-    struct maps_point q;
+    struct scene_point q;
     int which;
     scenes_resolve(sc, q.si, q.drive);
     const char *why = plant_check(sc->model, q.si, &which);
     if (why)
         return why;
-    maps_resolve(sc, &q);
+    point_of_scene(sc, &q);
     for (int i = 0; i < sc->model->n_inputs; i++)
         if (sc->drive[i].noise > 0.0)
             return "noise is held for whole steps, and would be another one at each step; take it out";

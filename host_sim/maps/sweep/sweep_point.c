@@ -28,7 +28,7 @@ enum { SETTLE_LEAST = 20, SETTLE_MOST = 20000 };
 
 /* The scene at one point. */
 struct setup {
-    struct maps_point q;
+    struct scene_point q;
     double period, fastest; /* period of the reference, s; the fastest drive, rad/s */
     bool beats;             /* a drive of another frequency than the reference sounds */
     double fall;            /* periods in which the slowest free motion falls by e */
@@ -48,7 +48,7 @@ int sweep_reference(const struct scene *s)
 
 static void set_up(const struct sweep *s, const struct scene *scene, struct setup *u)
 {
-    maps_resolve(scene, &u->q);
+    point_of_scene(scene, &u->q);
     u->period = TURN_RAD / u->q.drive[s->reference].omega;
     u->fastest = 0.0;
     u->beats = false;
