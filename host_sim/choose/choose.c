@@ -62,25 +62,12 @@ static const struct usage choose_usage = {
     .table = {choose_options},
 };
 
-/* The place of an option's word among names, or -1 after a line that tells the nearest. */
-static int find_name(const struct options *o, const char *option, const char *const *names, int n,
-                     const char *lacking)
-{
-    const char *name = options_text(o, option, 0);
-    for (int i = 0; i < n; i++)
-        if (!strcmp(name, names[i]))
-            return i;
-    options_misuse(o->usage, "--%s %s: %s%s", option, name, lacking,
-                   options_advise(name, strlen(name), names, n, NULL));
-    return -1;
-}
-
 static bool find_machine(const struct options *o, struct choose_certificate *c)
 {
     const char *names[CHOOSE_MACHINES];
     for (int i = 0; i < CHOOSE_MACHINES; i++)
         names[i] = choose_machine[i].name;
-    c->machine = find_name(o, "on", names, CHOOSE_MACHINES, "no such machine");
+    c->machine = options_find(o, "on", names, CHOOSE_MACHINES, "no such machine");
     if (c->machine >= 0 && !(choose_machine[c->machine].ns[0] > 0.0))
         options_misuse(o->usage,
                        "--on %s: it is an emulated board of no known processor, so no deadline can be judged "
@@ -99,7 +86,7 @@ static bool find_observable(const struct options *o, struct choose_certificate *
     for (int i = 0; i < m->n_outputs; i++)
         names[i] = m->output_signal[i].name;
     snprintf(lacking, sizeof lacking, "%s has no such output", m->name);
-    int found = find_name(o, "observable", names, m->n_outputs, lacking);
+    int found = options_find(o, "observable", names, m->n_outputs, lacking);
     c->scene.observable = fmax(found, 0.0);
     return found >= 0;
 }

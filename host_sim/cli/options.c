@@ -278,6 +278,18 @@ const char *options_text(const struct options *o, const char *name, int i)
     return i == 0 && p ? p->initial : NULL;
 }
 
+int options_find(const struct options *o, const char *option, const char *const *name, int n,
+                 const char *lacking)
+{
+    const char *text = options_text(o, option, 0);
+    for (int i = 0; i < n; i++)
+        if (!strcmp(text, name[i]))
+            return i;
+    options_misuse(o->usage, "--%s %s: %s%s", option, text, lacking,
+                   options_advise(text, strlen(text), name, n, NULL));
+    return -1;
+}
+
 double options_number(const struct options *o, const char *name)
 {
     const struct given *g = nth(o, name, 0);

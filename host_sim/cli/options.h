@@ -115,6 +115,11 @@ FILE *options_summary(const struct options *o);
 
 enum { OPTIONS_ADVICE = 256 }; /* has room for most lists */
 
+/* The place of an option's word among n names, or -1 after a line on stderr: what is `lacking`, and the
+ * nearest name. */
+int options_find(const struct options *o, const char *option, const char *const *name, int n,
+                 const char *lacking);
+
 /* Standard output is a pipe that its reader has closed: nothing more is wanted, and that is no failure. */
 bool options_reader_left(void);
 

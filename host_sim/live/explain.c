@@ -6,20 +6,11 @@
 #include "host_sim/scene/scene_name.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 /* Behind what stands in why[EXPLAIN_REASON]. */
-static void add(char *why, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add(char *why, const char *format, ...)
-{
-    size_t n = strlen(why);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(why + n, EXPLAIN_REASON - n, format, arguments);
-    va_end(arguments);
-}
+#define add(why, ...) snprintf((why) + strlen(why), EXPLAIN_REASON - strlen(why), __VA_ARGS__)
 
 /* The name of the model with this check. */
 static const char *model_of(double check)

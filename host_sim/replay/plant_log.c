@@ -134,35 +134,30 @@ const char *plant_log_open(struct plant_log *l, const char *path, const char *in
 
 /* ---- its lines ---- */
 
-/* The message in a line. */
-static void look_into(struct plant_log *l, const struct log_line *line, struct message *m)
+/* The message in a line that was read, where `got` is above 0. Returns got. */
+static int look_into(struct plant_log *l, int got, const struct log_line *line, struct message *m)
 {
+    m->kind = WIRE_KINDS;
+    if (got <= 0)
+        return got;
     bool word = line->way == LOG_NO_ROOM || line->way == LOG_OVERRUN || line->way == LOG_BEGIN ||
                 line->way == LOG_TURN;
-    m->kind = WIRE_KINDS;
     if (line->kind != LOG_DATA || line->fault || word)
-        return;
+        return got;
     enum wire_status status = wire_decode(&l->scene, &line->frame, m);
     l->others += status == WIRE_NOT_OURS;
     l->unsound += status != WIRE_NOT_OURS && status != WIRE_OK;
+    return got;
 }
 
 int plant_log_next(struct plant_log *l, struct log_line *line, struct message *m)
 {
-    int got = log_read_line(&l->reader, line);
-    m->kind = WIRE_KINDS;
-    if (got > 0)
-        look_into(l, line, m);
-    return got;
+    return look_into(l, log_read_line(&l->reader, line), line, m);
 }
 
 int plant_log_any(struct plant_log *l, struct log_line *line, struct message *m)
 {
-    int got = log_read_any(&l->reader, line);
-    m->kind = WIRE_KINDS;
-    if (got > 0)
-        look_into(l, line, m);
-    return got;
+    return look_into(l, log_read_any(&l->reader, line), line, m);
 }
 
 void plant_log_close(struct plant_log *l)

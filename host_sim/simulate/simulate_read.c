@@ -2,6 +2,7 @@
 #include "firmware/bus/wire_table.h"
 #include "firmware/plant/plant_change.h"
 #include "host_sim/cli/names.h"
+#include "host_sim/commands.h"
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/ticks.h"
 #include "host_sim/scene/scene_check.h"
@@ -49,10 +50,10 @@ static int choose_units(struct simulation *r)
     r->paper = r->scene.paper;
     if (!bare(r))
         return units ? simulate_misuse(r, "--units", "a scene has its own units; take the option away") : 0;
-    if (units && strcmp(units, "model") && strcmp(units, "si"))
-        return options_misuse(r->o->usage, "--units %s: no such units%s", units,
-                              options_advise(units, strlen(units), known, 2, NULL));
-    r->paper = units && !strcmp(units, "model");
+    int which = units ? options_find(r->o, "units", known, 2, "no such units") : 1;
+    if (which < 0)
+        return STATUS_MISUSED;
+    r->paper = !which;
     for (int i = 0; !units && i < options_count(r->o, "set"); i++)
         r->paper = r->paper || is_paper(r, options_text(r->o, "set", i));
     if (r->paper && !r->model->paper)

@@ -1,5 +1,5 @@
 /* stability_read.c - see stability_read.h. */
-#include "host_sim/cli/options_nearest.h"
+#include "host_sim/commands.h"
 #include "host_sim/maps/stability/stability_read.h"
 
 #include <math.h>
@@ -212,11 +212,11 @@ static bool say(const void *context, const char *option, FILE *f)
 
 int stability_read(struct stability *s)
 {
-    const char *map = options_text(&s->m.o, "map", 0);
     static const char *const kind[] = {"floquet", "contact"};
-    s->map = strcmp(map, "contact") ? STABILITY_FLOQUET : STABILITY_CONTACT;
-    if (s->map == STABILITY_FLOQUET && strcmp(map, "floquet"))
-        return misuse(s, "--map %s: no such map%s", map, options_advise(map, strlen(map), kind, 2, NULL));
+    int map = options_find(&s->m.o, "map", kind, 2, "no such map");
+    if (map < 0)
+        return STATUS_MISUSED;
+    s->map = map ? STABILITY_CONTACT : STABILITY_FLOQUET;
     if (s->map == STABILITY_FLOQUET && options_given(&s->m.o, "periods"))
         return misuse(s, "--periods is for --map contact; take it away");
     s->periods = (int)options_number(&s->m.o, "periods");
