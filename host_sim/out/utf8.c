@@ -35,6 +35,11 @@ struct utf8_character utf8_next(const char **at)
                   : (struct utf8_character){UTF8_REPLACEMENT, sizeof UTF8_REPLACEMENT - 1, 0xFFFD};
 }
 
+size_t utf8_mark(const char *text, size_t n)
+{
+    return n >= 3 && !memcmp(text, "\xEF\xBB\xBF", 3) ? 3 : 0;
+}
+
 int utf8_fits(const char *text, int size)
 {
     const char *at = text, *end = text;

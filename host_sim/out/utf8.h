@@ -20,6 +20,9 @@ struct utf8_character {
  * become one U+FFFD. */
 struct utf8_character utf8_next(const char **at);
 
+/* The bytes of a byte order mark at the begin of a text: 3, or 0. */
+size_t utf8_mark(const char *text, size_t n);
+
 /* The bytes of the text's whole characters among its first `size` bytes: `%.*s` cuts no character. */
 int utf8_fits(const char *text, int size);
 

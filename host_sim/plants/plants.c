@@ -5,6 +5,7 @@
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
+#include "host_sim/out/utf8.h"
 
 #include <errno.h>
 #include <math.h>
@@ -21,7 +22,8 @@ static bool next_scene(FILE *f, char name[PLANTS_NAME], int *line)
 {
     char text[PLANTS_NAME];
     while (fgets(text, sizeof text, f)) {
-        char *begin = text + strspn(text, " \t\r\n");
+        char *begin = text + (*line ? 0 : utf8_mark(text, strlen(text)));
+        begin += strspn(begin, " \t\r\n");
         ++*line;
         begin[strcspn(begin, "#\r\n")] = 0;
         size_t n = strlen(begin);

@@ -125,8 +125,8 @@ static bool cut_comment(const struct scene_text *t, struct word *line)
 
 bool scene_text_next(struct scene_text *t, struct word *w)
 {
-    if (!t->line && t->rest.n >= 3 && !memcmp(t->rest.at, "\xEF\xBB\xBF", 3)) /* a byte order mark */
-        t->rest = (struct word){t->rest.at + 3, t->rest.n - 3};
+    size_t mark = t->line ? 0 : utf8_mark(t->rest.at, t->rest.n);
+    t->rest = (struct word){t->rest.at + mark, t->rest.n - mark};
     while (t->rest.n) {
         const char *text = t->rest.at, *end = memchr(text, '\n', t->rest.n);
         size_t length = end ? (size_t)(end - text) : t->rest.n;

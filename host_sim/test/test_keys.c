@@ -242,7 +242,7 @@ bool test_keys_is_requirement(const char *id, size_t n)
 {
     bool good = n > 0 && n < TEST_NAME;
     for (size_t i = 0; good && i < n; i++)
-        good = (id[i] >= 'a' && id[i] <= 'z') || (id[i] >= 'A' && id[i] <= 'Z') ||
+        good = (id[i] >= 'a' && id[i] <= 'z') || (id[i] >= 'A' && id[i] <= 'Z') || (id[i] & 0x80) ||
                strchr("0123456789-_.:", id[i]);
     return good;
 }

@@ -98,7 +98,7 @@ def test_together():
     print("--- eight plants on a bus", flush=True)
     path = os.path.join(directory, "farm.txt")
     with open(path, "w") as f:
-        f.write("# the plants of this test\n\n" + "\n".join("  %s  # plant" % s for s in SCENES) + "\n")
+        f.write("\ufeff# the plants of this test\n\n" + "\n".join("  %s  # plant" % s for s in SCENES) + "\n")
     out, status = run(range(len(SCENES)), "--plants", path)
     verdict("the run's status: %d" % status, status == 0)
     lines = [line for line in out.splitlines() if line.startswith("0x")]

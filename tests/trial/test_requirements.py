@@ -14,14 +14,14 @@ from verdicts import conclude, equal  # noqa: E402
 
 program = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "build/contactplant")
 HEAD = "[plant]\nscene = hertz_rig\n[controller]\nbuiltin = keep\n"
-LIST = 'id,text\nHIL-017,"keeps ""contact"", always"\r\nHIL-018 , no overload\n\nHIL-020,never tested\nHIL-021,\n'
+LIST = '\ufeffid,text\nHIL-017,"keeps ""contact"", always"\r\nPRÜF-18 , no overload\n\nHIL-020,never tested\nPRÜF-21,\n'
 CASES = """[case kept]
-requirement = HIL-017, HIL-018
+requirement = HIL-017, PRÜF-18
 over = 0.1 s
 expect contact_loss == 0 %
 [case deep]
 like = kept
-requirement = HIL-018
+requirement = PRÜF-18
 expect penetration >= 1 m
 [case same]
 like = kept
@@ -45,10 +45,10 @@ def reports():
     print("--- JUnit, JSON and page", flush=True)
     r = test("t.test", "--requirements", "list.csv", "--junit", "j.xml", "--json", "j.json", "--report", "r.html")
     equal("status: one failed", r.returncode, 1)
-    equal("those without a case are told", "untraced: HIL-020, HIL-021; no case names them\n" in r.stdout, True)
+    equal("those without a case are told", "untraced: HIL-020, PRÜF-21; no case names them\n" in r.stdout, True)
     cases = {c.get("name"): c for c in xml.parse("j.xml").getroot().iter("testcase")}
     named = {n: [p.get("value") for p in c.iter("property") if p.get("name") == "requirement"] for n, c in cases.items()}
-    wanted = {"kept": ["HIL-017", "HIL-018"], "deep": ["HIL-018"], "same": ["HIL-017", "HIL-018"], "free": []}
+    wanted = {"kept": ["HIL-017", "PRÜF-18"], "deep": ["PRÜF-18"], "same": ["HIL-017", "PRÜF-18"], "free": []}
     equal("JUnit: properties of each case", named, wanted)
     others = {p.get("name"): p.get("value") for p in cases["free"].iter("property")}
     version = subprocess.run([program, "version"], capture_output=True, text=True).stdout.split()[1].strip(",")
@@ -57,18 +57,18 @@ def reports():
     with open("j.json") as f:
         told = json.load(f)
     equal("JSON: of each case", {c["case"]: c["requirements"] for c in told["cases"]}, wanted)
-    equal("  untraced", told["untraced"], ["HIL-020", "HIL-021"])
+    equal("  untraced", told["untraced"], ["HIL-020", "PRÜF-21"])
     with open("r.html") as f:
         data = json.loads(re.search(r'id="data">(.*?)</script>', f.read(), re.S)[1])
     rows = next(s for s in data["sections"] if s.get("title") == "Requirements")["rows"]
     got = [(x["cells"][0], x["cells"][1], x["cells"][2], x["cells"][3], x["bad"]) for x in rows]
     equal("page: requirement by case", got, [("HIL-017", 'keeps "contact", always', "kept", "ok", False), ("HIL-017", 'keeps "contact", always', "same", "ok", False),
-                                             ("HIL-018", "no overload", "kept", "ok", False), ("HIL-018", "no overload", "deep", "FAIL", True),
-                                             ("HIL-018", "no overload", "same", "ok", False), ("HIL-020", "never tested", "no case names it", "", True),
-                                             ("HIL-021", "", "no case names it", "", True)])
+                                             ("PRÜF-18", "no overload", "kept", "ok", False), ("PRÜF-18", "no overload", "deep", "FAIL", True),
+                                             ("PRÜF-18", "no overload", "same", "ok", False), ("HIL-020", "never tested", "no case names it", "", True),
+                                             ("PRÜF-21", "", "no case names it", "", True)])
     equal("  and what decided", [x["cells"][5] for x in rows if x["cells"][2] == "deep"], ["penetration >= 1 m"])
     equal("one case alone: others are traced by the file", test("t.test", "--case", "free", "--requirements", "list.csv", "--fail-on", "untraced").returncode, 1)
-    write("short.csv", "HIL-017\nHIL-018\n")
+    write("short.csv", "HIL-017\nPRÜF-18\n")
     equal("all traced", test("t.test", "--case", "free", "--requirements", "short.csv", "--fail-on", "untraced").returncode, 0)
     equal("no list: no table of the untraced", "untraced" in test("t.test").stdout, False)
 
@@ -78,7 +78,7 @@ def refusals():
     for text, wanted in (("requirement = HIL 17", 't.test:6: requirement: "HIL 17": write ID, ID'), ("requirement = A,,B", 'requirement: "": write ID, ID'),
                          ("requirement = A,", "an ID is missing behind the last comma"), ("requirement = A, A", "A stands twice"),
                          ("requirement = " + ", ".join("A%d" % i for i in range(17)), "more than 16"), ("requirement = " + "A" * 48, "at most 47"),
-                         ("requirement = A\nrequirement = B", "it stands in this section already"), ("requirement = HIL-18", "HIL-18 is not in ../list.csv; did you mean HIL-018?")):
+                         ("requirement = A\nrequirement = B", "it stands in this section already"), ("requirement = PRÜF-8", "PRÜF-8 is not in ../list.csv; did you mean PRÜF-18?")):
         write("m/t.test", HEAD + "[case a]\n" + text + "\nover = 0.1 s\nexpect faults == 0\n")
         r = subprocess.run([program, "test", "t.test", "--requirements", "../list.csv", "--junit", "j.xml"], capture_output=True, text=True, cwd="m")
         equal("%.40s" % text.replace("\n", " "), (r.returncode, r.stderr.count("\n"), wanted in r.stderr, os.path.exists("m/j.xml")), (2, 1, True, False))

@@ -9,6 +9,7 @@
 #include <string.h>
 #include "firmware/bus/wire.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/out/utf8.h"
 
 enum { MESSAGE = 512, SHOWN = 40, NUMBER_ROOM = 64 };
 
@@ -101,7 +102,7 @@ static int next_line(struct table *t, bool header, bool *more)
 {
     int status;
     while (!(status = read_line(t, more)) && *more) {
-        char *text = t->line == 1 && !strncmp(t->text, "\xef\xbb\xbf", 3) ? t->text + 3 : t->text;
+        char *text = t->text + (t->line == 1 ? utf8_mark(t->text, strlen(t->text)) : 0);
         memmove(t->text, text, strlen(text) + 1);
         t->tabs = header ? names_columns(t->text) : t->tabs;
         if (header && t->tabs) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/options_nearest.h"
+#include "host_sim/out/utf8.h"
 #include "host_sim/test/test_keys.h"
 
 enum { BYTES_MAX = 1 << 22 };
@@ -89,7 +90,7 @@ bool requirements_read(struct requirements *l, const char *path, char why[REQUIR
         snprintf(why, REQUIREMENTS_REASON, "cannot read %.200s: %s", path, strerror(errno));
         return false;
     }
-    char *line = l->bytes;
+    char *line = l->bytes + utf8_mark(l->bytes, strlen(l->bytes));
     for (int n = 1; line && *line; n++) {
         char *end = strchr(line, '\n');
         if (end)
