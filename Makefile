@@ -141,8 +141,8 @@ $(BUILD)/choose_grid: $(call obj,$(call test_src,choose_grid choose_draw choose_
 $(BUILD)/rig_curves: $(call obj,tests/fit/rig_curves.c)
 	$(link)
 # Fits against rigs of another integrator, about five minutes.
-fits: $(BUILD)/contactplant $(BUILD)/rig_curves ## intervals of 200 noises, 100 random rigs and 30 levers by contactplant fit
-	@$(PYTHON) tests/fit/judge_fits.py $(BUILD)/contactplant $(BUILD)/rig_curves 200 100
+fits: $(BUILD)/contactplant $(BUILD)/rig_curves ## intervals of 200 noises, 100 random rigs, 30 shafts and 30 levers by contactplant fit
+	@$(PYTHON) tests/fit/judge_fits.py $(BUILD)/contactplant $(BUILD)/rig_curves 200 100 30
 	@$(PYTHON) tests/fit/judge_levers.py $(BUILD)/contactplant 30
 $(BUILD)/tolerance_scenes: $(call obj,$(call test_src,tolerance_scenes tolerance_force tolerance_draw extrapolation exact)) $(LIB)
 	$(link)

@@ -311,7 +311,7 @@ more compute "the .dbc read by canmatrix" /usr/bin/python3 tests/cli/test_dbc.py
 stage compute "the committed .dbc is what the program prints" sh -c '
     build/contactplant dbc | cmp - docs/reference/contactplant.dbc && echo "ok    docs/reference/contactplant.dbc"'
 more compute "cheaper combinations that choose missed, by brute force" build/choose_grid 30 5 motion
-more compute "fits of 200 noises and 100 random rigs" /usr/bin/python3 tests/fit/judge_fits.py build/contactplant build/rig_curves 200 100 build/asan/contactplant
+more compute "fits of 200 noises and 100 random rigs" /usr/bin/python3 tests/fit/judge_fits.py build/contactplant build/rig_curves 200 100 0 build/asan/contactplant
 more compute "fits of 30 random levers" /usr/bin/python3 tests/fit/judge_levers.py build/contactplant 30
 more compute "fits beside scipy's and lmfit's" /usr/bin/python3 tests/fit/other_fits.py build/contactplant docs/examples/fit
 more compute "costs that choose states, against whole runs" tests/choose/test_choose_cost.sh build/contactplant build/choose_one

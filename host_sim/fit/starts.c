@@ -16,9 +16,11 @@
 #include "host_sim/fit/progress.h"
 #include "host_sim/fit/sequence.h"
 
-enum { LINE = 41, MINIMA = 4 };
+enum { LINE = 41, LINE_UNSEEN = 9, MINIMA = 4 };
 static const double line_most = 2.3; /* a factor of 10 */
 static const double line_least = 0.05;
+static const double line_unseen = 1.4; /* a factor of 4 */
+static const double unseen = 1e-6;     /* share of the largest slope: rounding */
 static const double deviations = 20.0; /* deviations of the weak direction, along the line */
 static const double beside = 0.2;      /* further starts, from the best place */
 static const double narrow_sd = 10.0;
@@ -26,8 +28,27 @@ static const double passed_by = 0.1; /* cost and every unknown: two fits that ha
 static const double same_u = 1.0;    /* in standard deviations: one minimum */
 static const double same_chi2 = 4.0; /* another minimum as good, to two standard deviations */
 
-/* The direction in which the smallest curve says least, its largest component 1. Returns how far to look. */
-static double weak_direction(struct fit_setup *s, const double *u, double *direction)
+/* Lengths on which the smallest curve does not depend, as gaps that it does not close: all of them together.
+ */
+static bool unseen_direction(const struct fit_setup *s, int m, const double *a, double *direction)
+{
+    double most = 0.0;
+    bool any = false;
+    for (int i = 0; i < m * s->n; i++)
+        most = fmax(most, fabs(a[i]));
+    for (int k = 0; k < s->n && m; k++) {
+        bool seen = s->unknown[k].kind != FIT_PARAMETER || strcmp(s->unknown[k].unit, "m") != 0;
+        for (int i = 0; i < m && !seen; i++)
+            seen = fabs(a[i * s->n + k]) > unseen * most;
+        direction[k] = !seen;
+        any = any || !seen;
+    }
+    return any;
+}
+
+/* The direction in which the smallest curve says least, its largest component 1. Returns how far to look, at
+ * *points places. */
+static double weak_direction(struct fit_setup *s, const double *u, double *direction, int *points)
 {
     struct problem p = {s, PROBLEM_LINEAR};
     double value[MATRIX_MAX], v[MATRIX_MAX][MATRIX_MAX], most = 0.0;
@@ -36,6 +57,11 @@ static double weak_direction(struct fit_setup *s, const double *u, double *direc
     if (!a)
         return 0.0;
     problem_slopes(&p, u, a);
+    if (unseen_direction(s, m, a, direction)) {
+        free(a);
+        *points = LINE_UNSEEN;
+        return line_unseen;
+    }
     int chain = 0;
     for (int k = 0; k < n; k++) {
         chain += s->unknown[k].kind != FIT_PARAMETER;
@@ -69,27 +95,28 @@ static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT
 {
     struct problem p = {s, PROBLEM_ROBUST};
     double direction[FIT_UNKNOWNS] = {0.0}, cost[LINE], at[LINE][FIT_UNKNOWNS];
-    double reach = weak_direction(s, u, direction);
+    int points = LINE;
+    double reach = weak_direction(s, u, direction, &points);
     double *r = calloc((size_t)s->n_residuals + 1, sizeof *r);
     int n = 0;
-    for (int i = 0; r && i < LINE; i++) {
+    for (int i = 0; r && i < points; i++) {
         for (int k = 0; k < s->n; k++)
-            at[i][k] = u[k] + reach * direction[k] * (2.0 * i / (LINE - 1) - 1.0);
+            at[i][k] = u[k] + reach * direction[k] * (2.0 * i / (points - 1) - 1.0);
         adjust_starts(s, at[i]);
         cost[i] = problem_residuals(&p, at[i], r);
-        progress_tell(s, "looks for starts", i + 1, LINE);
+        progress_tell(s, "looks for starts", i + 1, points);
     }
     for (bool found = r; found && n < MINIMA;) {
         int best = -1;
-        for (int i = 0; i < LINE; i++) {
+        for (int i = 0; i < points; i++) {
             bool low = isfinite(cost[i]) && (i == 0 || !(cost[i - 1] < cost[i])) &&
-                       (i == LINE - 1 || !(cost[i + 1] < cost[i]));
+                       (i == points - 1 || !(cost[i + 1] < cost[i]));
             best = low && (best < 0 || cost[i] < cost[best]) ? i : best;
         }
         found = best >= 0;
         if (found) {
             memcpy(place[n++], at[best], sizeof at[best]);
-            for (int i = best > 0 ? best - 1 : 0; i <= best + 1 && i < LINE; i++)
+            for (int i = best > 0 ? best - 1 : 0; i <= best + 1 && i < points; i++)
                 cost[i] = i == best ? HUGE_VAL : cost[i];
         }
     }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""judge_fits.py PROGRAM RIG_CURVES SEEDS RIGS [OTHER_PROGRAM] - contactplant fit against rigs of another integrator. The intervals of SEEDS noises
-hold the true numbers as often as they say. RIGS random rigs, from starts off by up to two, are right or refused, never wrong and quiet. What
-OTHER_PROGRAM, of another compiler, writes is equal. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+"""judge_fits.py PROGRAM RIG_CURVES SEEDS RIGS SHAFTS [OTHER_PROGRAM] - contactplant fit against rigs of another integrator. The intervals of SEEDS
+noises hold the true numbers as often as they say. RIGS random rigs and SHAFTS random shafts, from starts off by up to two, are right or refused, never
+wrong and quiet. What OTHER_PROGRAM, of another compiler, writes is equal. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
 import math
 import os
 import random
@@ -15,33 +15,38 @@ sys.path.insert(0, os.path.join(here, "../house"))
 from verdicts import check, conclude  # noqa: E402
 
 program, curves = (os.path.abspath(p) for p in sys.argv[1:3])
-seeds, rigs = int(sys.argv[3]), int(sys.argv[4])
+seeds, rigs, shafts = map(int, sys.argv[3:6])
 directory = tempfile.mkdtemp(prefix="contactplant-fits-")
-NAMES = ("mass", "stiffness", "preload", "damping")
-UNITS = ("kg", "N/m^1.5", "N", "N s/m")
+RIG = {"mass": "kg", "stiffness": "N/m^1.5", "preload": "N", "damping": "N s/m"}
+SHAFT = {"mass1": "kg", "mass2": "kg", "mass3": "kg", "damping1": "N s/m", "damping2": "N s/m", "damping3": "N s/m", "support1": "N/m", "support3": "N/m", "flexure": "N m/rad",
+         "gap1": "m", "gap3": "m", "gap_stiffness1": "N/m", "gap_stiffness3": "N/m"}
+UNKNOWN = ("support1", "support3", "gap1", "gap3", "gap_stiffness1", "gap_stiffness3")
 PREFIX = {"m": 1e-3, "k": 1e3, "M": 1e6, "u": 1e-6, "n": 1e-9}
 POINTS = 36
 
 
-def scene(name, numbers):
+def scene(name, numbers, units=RIG, head="model = hertz_rig"):
     with open(os.path.join(directory, name), "w") as f:
-        f.write("[plant]\nmodel = hertz_rig\n" + "".join("%s = %.12g %s\n" % row for row in zip(NAMES, numbers, UNITS)))
+        f.write("[plant]\n%s\n" % head + "".join("%s = %.12g %s\n" % (n, x, units[n]) for n, x in zip(units, numbers)))
 
 
-def measure(name, rig, force, low, high, direction, noise, seed):
+def measure(name, rig, force, low, high, direction, noise, seed, *, first=(), points=POINTS):
+    """The rows of the curve whose file is written."""
+    text = subprocess.run([curves, *first, *("%.12g" % x for x in (*rig, force, low, high)), str(points), direction, str(noise), str(seed)],
+                          capture_output=True, text=True, check=True).stdout
     with open(os.path.join(directory, name), "w") as f:
-        f.write(subprocess.run([curves, *("%.12g" % x for x in (*rig, force, low, high)), str(POINTS), direction, str(noise), str(seed)],
-                               capture_output=True, text=True, check=True).stdout)
+        f.write(text)
+    return [[float(x) for x in line.split(",")] for line in text.splitlines() if line[0].isdigit()]
 
 
 def fit(*words, by=program):
     return subprocess.run([by, "fit", *words], capture_output=True, text=True, cwd=directory, timeout=300)
 
 
-def fitted(name):
+def fitted(name, units):
     """The numbers of a fitted scene, SI."""
     text = open(os.path.join(directory, name)).read()
-    found = [re.search(r"^%s = (\S+) (\S*?)%s " % (n, re.escape(u)), text, re.M) for n, u in zip(NAMES, UNITS)]
+    found = [re.search(r"^%s = (\S+) (\S*?)%s " % (n, re.escape(u)), text, re.M) for n, u in units.items()]
     return [float(m[1]) * PREFIX.get(m[2], 1) for m in found]
 
 
@@ -50,10 +55,10 @@ def widths(text):
     return {n: float(w) / 100 for n, w in re.findall(r"^  (\S+) .* \+- (\S+) % +\+- \S+ %", text, re.M)}
 
 
-def errors(name, rig, text):
+def errors(name, rig, text, units=RIG, unknown=RIG):
     """Errors of a fit in its own standard deviations."""
     wide = widths(text)
-    return [math.log(got / true) / wide[n] if n in wide else math.inf for n, got, true in zip(NAMES, fitted(name), rig)]
+    return [math.log(got / true) / wide[n] if n in wide else math.inf for n, got, true in zip(units, fitted(name, units), rig) if n in unknown]
 
 
 def judge_intervals():
@@ -83,25 +88,58 @@ def draw(generator):
     return rig, omega / (2 * math.pi), 0.1 * compression * mass * omega ** 2 * 2 * ratio
 
 
-def judge_rigs():
+def fit_rig(seed):
+    generator = random.Random(1000 + seed)
+    rig, resonance, force = draw(generator)
+    large = force * generator.uniform(5, 15)
+    for name, level, n in (("a.csv", force, 1), ("b.csv", large, 2)):
+        measure(name, rig, level, 0.6 * resonance, 1.25 * resonance, generator.choice(("up", "down")), 0.01, 7000 + 2 * seed + n)
+    scene("start.ini", [x * 2 ** generator.uniform(-1, 1) for x in rig])
+    r = fit("start.ini", "--sweep", "a.csv", "--sweep", "b.csv", "--out", "f.ini", "--force")
+    return r, errors("f.ini", rig, r.stdout)
+
+
+def draw_shaft(g):
+    """A random shaft, the frequency at which it moves on its supports, and how far its large drive is above the small one."""
+    def between(low, high):
+        return math.exp(g.uniform(math.log(low), math.log(high)))
+
+    m, f = between(0.3, 3), between(10, 40)
+    mass = (m * between(0.8, 1.25), m * between(1, 3), m * between(0.8, 1.25))
+    s = (2 * math.pi * f) ** 2 * sum(mass) / 4
+    support, ratio, gap = (s * between(0.8, 1.25), s * between(0.8, 1.25)), between(0.04, 0.12), between(5e-5, 5e-4)
+    damping = [4 * math.pi * f * ratio * x for x in mass]
+    bend, gaps = 2 * s * between(50, 200), (gap * between(0.8, 1.25), gap * between(0.8, 1.25))
+    return (*mass, *damping, *support, bend, *gaps, *(2 * x * between(0.5, 3) for x in support)), f, g.uniform(5, 10)
+
+
+def fit_shaft(seed):
+    """Supports, gaps and their springs, from both ends at two drives: the small one comes to half a gap, the large one has impacts."""
+    g = random.Random(3000 + seed)
+    shaft, f, times = draw_shaft(g)
+    low, high, ways = 0.7 * f, 1.8 * f, [g.choice(("up", "down")) for _ in range(2)]
+    free = (*shaft[:9], 1e6, 1e6, *shaft[11:])
+    largest = max(row[1] for seen in (1, 3) for row in measure("open.csv", (*free, seen), 1, low, high, "up", 0, 1, first=("shaft",), points=12))
+    small = 0.5 * min(shaft[9:11]) / largest
+    for k, force in enumerate((small, small, small * times, small * times)):
+        measure("%d.csv" % k, (*shaft, 1 + 2 * (k % 2)), force, low, high, ways[k // 2], 0.01, 7000 + 4 * seed + k, first=("shaft",), points=30)
+    scene("shaft.ini", [x * (2 ** g.uniform(-1, 1) if n in UNKNOWN else 1) for n, x in zip(SHAFT, shaft)], SHAFT, "model = shaft_bearing\nlength = 1 m")
+    r = fit("shaft.ini", *(word for k in range(4) for word in ("--sweep", "%d.csv" % k)), "--free", ",".join(UNKNOWN), "--out", "f.ini", "--force")
+    return r, errors("f.ini", shaft, r.stdout, SHAFT, UNKNOWN)
+
+
+def judge_random(what, n, one, least):
     right, refused, wrong = 0, [], []
-    for seed in range(rigs):
-        generator = random.Random(1000 + seed)
-        rig, resonance, force = draw(generator)
-        large = force * generator.uniform(5, 15)
-        for name, level, n in (("a.csv", force, 1), ("b.csv", large, 2)):
-            measure(name, rig, level, 0.6 * resonance, 1.25 * resonance, generator.choice(("up", "down")), 0.01, 7000 + 2 * seed + n)
-        scene("start.ini", [x * 2 ** generator.uniform(-1, 1) for x in rig])
-        r = fit("start.ini", "--sweep", "a.csv", "--sweep", "b.csv", "--out", "f.ini", "--force")
-        off = max(map(abs, errors("f.ini", rig, r.stdout)))
+    for seed in range(n):
+        r, off = one(seed)
         if r.returncode:
-            refused.append("rig %d: %s" % (seed, r.stderr.splitlines()[0][:120]))
-        elif off < 5:
+            refused.append("%d: %s" % (seed, r.stderr.splitlines()[0][:120]))
+        elif max(map(abs, off)) < 5:
             right += 1
         else:
-            wrong.append("rig %d: %.1f deviations" % (seed, off))
-    check("%d random rigs, starts off by up to two: none wrong and quiet" % rigs, not wrong, "; ".join(wrong))
-    check("  at least 95 % right", right >= 0.95 * rigs, "%d; refused: %s" % (right, "; ".join(refused) or "none"))
+            wrong.append("%d: %.1f deviations" % (seed, max(map(abs, off))))
+    check("%d random %s, starts off by up to two: none wrong and quiet" % (n, what), not wrong, "; ".join(wrong))
+    check("  at least %.0f %% right" % (100 * least), right >= least * n, "%d; refused: %s" % (right, "; ".join(refused) or "none"))
 
 
 def judge_bytes(other):
@@ -111,9 +149,12 @@ def judge_bytes(other):
     check("equal bytes from two compilers", one.stdout == two.stdout and same[0] == same[1] and len(same[0]) > 500, "%d bytes" % len(same[0]))
 
 
-judge_intervals()
-judge_rigs()
-if len(sys.argv) > 5:
-    judge_bytes(sys.argv[5])
+if seeds:
+    judge_intervals()
+for what, n, one, least in (("rigs", rigs, fit_rig, 0.95), ("shafts", shafts, fit_shaft, 0.8)):
+    if n:
+        judge_random(what, n, one, least)
+if len(sys.argv) > 6:
+    judge_bytes(sys.argv[6])
 subprocess.run(["rm", "-rf", directory])
 conclude()

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-enum { SETTLE_PERIODS = 64, SETTLE_ROUNDS = 32 };
-static const double narrow = 1e-5; /* the shortest step, over the frequency */
+enum { SETTLE_PERIODS = 64, SETTLE_ROUNDS = 4 }; /* each twice as long as the one before */
+static const double narrow = 1e-5;               /* the shortest step, over the frequency */
 static const double arrived = 0.1; /* a motion that has settled is so near to its orbit, of its size */
 
 /* The difference of two motions over the size of the larger one. */
@@ -52,7 +52,7 @@ static bool settle(struct orbit_task *t, struct orbit *o)
 {
     for (int i = 0; i < SETTLE_ROUNDS; i++) {
         struct orbit settled;
-        if (!orbit_settle(t, o, SETTLE_PERIODS))
+        if (!orbit_settle(t, o, SETTLE_PERIODS << i))
             return false;
         if (find_stable(t, o, o->frequency_Hz, arrived, &settled)) {
             *o = settled;
