@@ -12,13 +12,14 @@ import sys
 
 # By the caller, FILE:FUNCTION, the first that fits: files, and functions in them, that it may call through a pointer.
 MODELS = (r"models/.*", r".*")
-STEP, REFUSE, SET_UP = r"step.*|run_any|books", r"(exact_)?refuse\w*", r"(refuse\w*|prepare|bind\w*|n_scratch|exact_\w+)(\..*)?"
+STEP, REFUSE, SET_UP = r"step.*|run_a\w+|books|switched", r"(exact_)?refuse\w*", r"(refuse\w*|prepare|bind\w*|n_scratch|exact_\w+)(\..*)?"
 KINDS = r"firmware/method/(rk4|float32/rk4_float32|taylor/taylor|exact/exact|exact/exact_tables|adams/adams)\.c"
 INDIRECT = [
     (r"firmware/method/switch\.c:.*", [(r"firmware/method/(float32/)?rk4\w*\.c", r"advance_general|run_through"), MODELS]),
     (r"firmware/method/rk4_unlocated\.c:.*", [(r"firmware/method/rk4\.c", r"step.*|refuse|bind"), MODELS]),
     (r"firmware/method/(float32/|taylor/|exact/|adams/)?(rk4|taylor|exact|adams)\w*\.c:.*", [MODELS]),
-    (r"firmware/method/auto\.c:step.*", [(KINDS, STEP)]),
+    (r"firmware/method/auto\.c:run_adams", [(r"firmware/method/adams/adams\.c", r"run_any|bind_run")]),
+    (r"firmware/method/auto\.c:(step|books|switched).*", [(KINDS, STEP)]),
     (r"firmware/method/auto\.c:(choose|refuse).*", [(KINDS, REFUSE), MODELS]),
     (r"firmware/method/auto\.c:.*", [(KINDS, SET_UP), MODELS]),
     (r"firmware/plant/plant_change\.c:(plant_check|plant_find_regime).*", [MODELS]),
