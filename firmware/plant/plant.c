@@ -381,8 +381,8 @@ static void excite(struct plant *pl, uint32_t length)
     struct segment *e = &pl->segment;
     unsigned drives = pl->awake, active = 0;
     bool changed = false;
-    for (int i = 0; drives >> i != 0; i++) {
-        if (!((drives >> i) & 1u))
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u))
             continue;
         if (drive_active(&pl->drive[i])) {
             active |= 1u << i;
@@ -400,7 +400,7 @@ static void excite(struct plant *pl, uint32_t length)
 /* The segment in pl->segment, and what is counted when it cannot be taken. */
 static bool segment(struct plant *pl)
 {
-    pl->ledger.flow_valid = pl->ledger.flow_valid && !pl->segment.changed;
+    pl->ledger.flow_valid &= !pl->segment.changed;
     if (integrate(pl))
         return true;
     pl->counts.not_finite++;
@@ -842,11 +842,36 @@ NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, pla
     return good;
 }
 
-bool plant_advance(struct plant *pl, struct instant to)
+/* An input that is all that sounds, and whose sample is all of it. */
+struct held {
+    int input;
+    struct input at;
+    bool jumps; /* to this value, when the next tick begins */
+};
+
+/* That input over the next tick, as by excite. */
+NEVER_INLINE void hold(struct plant *pl, struct held *h)
+{
+    struct segment *e = &pl->segment;
+    struct drive *d = &pl->drive[h->input];
+    d->resync_left = (d->resync_left - 1) % PHASOR_RESYNC_TICKS;
+    for (int k = 0; k < 3; k++)
+        e->at[k][h->input] = h->at;
+    e->length = pl->h;
+    e->instant = pl->now.tick * TICK_FRACTIONS;
+    e->changed = h->jumps;
+    h->jumps = false;
+}
+
+/* h: NULL, or what the ticks hold. */
+NEVER_INLINE bool advance(struct plant *pl, struct instant to, struct held *h)
 {
     uint32_t length;
     while ((length = segment_length(pl, to)) > 0) {
-        excite(pl, length);
+        if (h)
+            hold(pl, h);
+        else
+            excite(pl, length);
         if (pl->staged && !act(pl, length))
             return false;
         if (!segment(pl))
@@ -862,6 +887,11 @@ bool plant_advance(struct plant *pl, struct instant to)
         }
     }
     return true;
+}
+
+bool plant_advance(struct plant *pl, struct instant to)
+{
+    return advance(pl, to, NULL);
 }
 
 bool plant_run(struct plant *pl, uint64_t ticks)
@@ -880,4 +910,41 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
             return false;
     }
     return true;
+}
+
+/* Input i is all that sounds, it may jump, and its sample is all of it. */
+static bool is_held(const struct plant *pl, int i)
+{
+    const struct drive *d = &pl->drive[i];
+    unsigned alone = 1u << i;
+    return pl->awake == alone && pl->segment.active == alone && pl->now.fraction == 0 && !pl->staged &&
+           pl->model->input_signal[i].quantity != QUANTITY_LENGTH && drive_stands(d) && d->amplitude == 0.0 &&
+           (d->ramp_left | d->sample_left) == 0 && !d->noise.active;
+}
+
+/* The next sample of an input that is held. */
+static bool run_sample(struct plant *pl, int i, double value, uint64_t ticks)
+{
+    struct wave *w = &pl->segment.wave[i];
+    struct drive *d = &pl->drive[i];
+    w->offset = d->sample = d->sample_to = value;
+    d->phasor_kept = true;
+    struct held h = {i, steady_input(w, w->cosine, w->sine), true};
+    return advance(pl, (struct instant){pl->now.tick + ticks, 0}, &h);
+}
+
+bool plant_run_samples(struct plant *pl, int i, const double *value, uint32_t n, uint64_t ticks)
+{
+    double unit = unit_of(pl, i);
+    bool good = true, held = false;
+    for (uint32_t k = 0; k < n && good; k++) {
+        if (held && value[k] != 0.0) {
+            good = run_sample(pl, i, value[k] / unit, ticks);
+        } else {
+            plant_sample(pl, i, value[k], 0);
+            good = plant_run(pl, ticks);
+            held = is_held(pl, i);
+        }
+    }
+    return good;
 }

@@ -183,6 +183,10 @@ typedef void plant_look_ticks(void *who, const struct plant *pl, const struct me
 MUST_CHECK bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_look_ticks *several,
                                void *who);
 
+/* For each of n values plant_sample(pl, i, value, 0) and plant_run(pl, ticks), with equal bits. It costs
+ * less where each is held for few ticks and no other input sounds. */
+MUST_CHECK bool plant_run_samples(struct plant *pl, int i, const double *value, uint32_t n, uint64_t ticks);
+
 /* Drive i, for a change by the functions of drive.h. Ticks skip a drive that was found silent until this
  * is called. */
 static inline struct drive *plant_touch_drive(struct plant *pl, int i)

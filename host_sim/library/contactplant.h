@@ -189,6 +189,11 @@ CONTACTPLANT_API int contactplant_set_state(struct contactplant *plant, const do
 /* Runs whole ticks. */
 CONTACTPLANT_API int contactplant_advance(struct contactplant *plant, uint64_t ticks);
 
+/* Runs n samples of this input, each held for `ticks` ticks: contactplant_set_sample and contactplant_advance
+ * for each, with equal bits, in less time. Where one is refused, none acts. */
+CONTACTPLANT_API int contactplant_advance_samples(struct contactplant *plant, int input, const double *value,
+                                                  uint32_t n, uint64_t ticks);
+
 /* Runs to this instant of plant time, rounded to 1/65536 of a tick; not into the past. */
 CONTACTPLANT_API int contactplant_advance_to(struct contactplant *plant, double time_s);
 

@@ -158,13 +158,21 @@ int contactplant_set_state(struct contactplant *p, const double *state, int n)
 
 /* ---- time ---- */
 
-static int advance(struct contactplant *p, struct instant to)
+static int moved(struct contactplant *p, bool good)
 {
-    if (plant_advance(&p->scene.app.plant, to))
+    if (good)
         return CONTACTPLANT_OK;
     return library_fail(&p->error, CONTACTPLANT_DIVERGED,
                         "the motion left the finite numbers at %.9g s; the plant stands there",
                         plant_time(&p->scene.app.plant));
+}
+
+/* So many times so many ticks. */
+static int check_ticks(struct contactplant *p, uint64_t times, uint64_t ticks)
+{
+    if (times == 0 || ticks <= (UINT64_MAX - 1 - p->scene.app.plant.now.tick) / times)
+        return CONTACTPLANT_OK;
+    return library_fail(&p->error, CONTACTPLANT_BAD_VALUE, "more ticks than a plant can count");
 }
 
 int contactplant_advance(struct contactplant *p, uint64_t ticks)
@@ -173,10 +181,26 @@ int contactplant_advance(struct contactplant *p, uint64_t ticks)
         return CONTACTPLANT_BAD_HANDLE;
     if (!may_change(p))
         return p->error.code;
-    struct instant now = p->scene.app.plant.now;
-    if (ticks > UINT64_MAX - 1 - now.tick)
-        return library_fail(&p->error, CONTACTPLANT_BAD_VALUE, "more ticks than a plant can count");
-    return advance(p, (struct instant){now.tick + ticks, now.fraction});
+    int code = check_ticks(p, 1, ticks);
+    return code == CONTACTPLANT_OK ? moved(p, plant_run(&p->scene.app.plant, ticks)) : code;
+}
+
+int contactplant_advance_samples(struct contactplant *p, int input, const double *value, uint32_t n,
+                                 uint64_t ticks)
+{
+    int code = begin_alone(p, input);
+    if (code == CONTACTPLANT_OK && !value && n > 0)
+        code = library_fail(&p->error, CONTACTPLANT_BAD_VALUE, "give %u samples, not NULL", (unsigned)n);
+    if (code == CONTACTPLANT_OK)
+        code = check_ticks(p, n, ticks);
+    for (uint32_t i = 0; i < n && code == CONTACTPLANT_OK; i++) {
+        double limit = DRIVE_LIMIT * input_unit(p, input);
+        code = check(p, "sample", value[i], -limit, limit);
+    }
+    if (code != CONTACTPLANT_OK)
+        return code;
+    p->scene.app.plant.counts.changes += n;
+    return moved(p, plant_run_samples(&p->scene.app.plant, input, value, n, ticks));
 }
 
 int contactplant_advance_to(struct contactplant *p, double time_s)
@@ -197,7 +221,7 @@ int contactplant_advance_to(struct contactplant *p, double time_s)
     if (instant_compare(to, pl->now) < 0)
         return library_fail(&p->error, CONTACTPLANT_BAD_VALUE,
                             "time %.9g s has passed; the plant is at %.9g s", time_s, plant_time(pl));
-    return advance(p, to);
+    return moved(p, plant_advance(pl, to));
 }
 
 /* ---- what it says ---- */

@@ -168,8 +168,8 @@ _PROTOTYPES = {
     "version": "s", "abi": "i", "scene_name": "s i", "scene_title": "s i",
     "open": "p pzsp", "open_bus": "p pzsp", "error": "s p", "count": "i pi", "find": "i pis", "describe": "i piip",
     "set_drive": "i pidddd", "set_noise": "i piduud", "set_sample": "i pidU", "silence": "i pd",
-    "set_parameters": "i pipp", "set_state": "i ppi", "advance": "i pU", "advance_to": "i pd", "time": "d p",
-    "tick": "U p", "tick_time": "d p", "substeps": "u p", "input": "d pi", "output": "d pi", "state": "d pi",
+    "set_parameters": "i pipp", "set_state": "i ppi", "advance": "i pU", "advance_samples": "i pipuU",
+    "advance_to": "i pd", "time": "d p", "tick": "U p", "tick_time": "d p", "substeps": "u p", "input": "d pi", "output": "d pi", "state": "d pi",
     "parameter": "d pi", "energy": "d p", "residual": "d p", "next_event": "i pp", "counter": "U pi", "hash": "U p",
     "save_size": "z p", "save": "i ppz", "restore": "i ppz", "bus_put": "i pp", "bus_frame": "i p", "bus_take": "i pp",
     "pack": "z upipp", "unpack": "i pzpi", "client_open": "p pzspp", "client_error": "s p", "client_plant": "p p",
@@ -419,6 +419,12 @@ class Plant(_Numbers):
     def advance(self, ticks):
         """Runs whole ticks."""
         self._call(self._lib.advance, _whole("ticks", ticks, 64))
+
+    def advance_samples(self, input, values, ticks=1):
+        """Runs these samples of an input, each held for `ticks` ticks: sample() and advance() for each, sooner."""
+        n = len(values)
+        self._call(self._lib.advance_samples, self._index("input", input), (ctypes.c_double * n)(*map(float, values)), n,
+                   _whole("ticks", ticks, 64))
 
     def run(self, frames=1):
         """Runs whole frames: a millisecond each unless the scene says otherwise."""

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #ifndef BENCH_FLAGS
 #define BENCH_FLAGS "unknown flags"
@@ -146,18 +147,29 @@ static int rounds_of(const struct problem *p, const struct entry *e)
     return brief ? 1 : rounds;
 }
 
+/* A line that the next one overwrites, for who sits before a terminal; n = 0 clears it. */
+static void show_progress(const char *name, const char *what, int k, int n)
+{
+    if (!isatty(STDERR_FILENO))
+        return;
+    if (n > 0)
+        fprintf(stderr, "\r%-8s %s %d of %d   ", name, what, k, n);
+    else
+        fprintf(stderr, "\r%50s\r", "");
+}
+
 static void measure(struct bench *b)
 {
     const struct problem *p = &b->problem;
     static bool skip[BENCH_ENTRIES];
     for (int i = 0; i < b->n; i++) {
         first_look(p, &b->entry[i]);
-        fprintf(stderr, "\r%-8s first look %d of %d   ", p->c->name, i + 1, b->n);
+        show_progress(p->c->name, "first look", i + 1, b->n);
     }
     for (int i = 0; i < b->n; i++)
         skip[i] = hopeless(b, &b->entry[i]);
     for (int r = 0; r < ROUNDS; r++) {
-        fprintf(stderr, "\r%-8s round %d of %d             ", p->c->name, r + 1, ROUNDS);
+        show_progress(p->c->name, "round     ", r + 1, ROUNDS);
         for (int i = 0; i < b->n; i++) {
             struct entry *e = &b->entry[i];
             e->timed = e->timed && !skip[i];
@@ -169,7 +181,7 @@ static void measure(struct bench *b)
         if (b->entry[i].timed)
             b->entry[i].ns_median = median(b->entry[i].ns, rounds_of(p, &b->entry[i]));
     }
-    fprintf(stderr, "\r%50s\r", "");
+    show_progress("", "", 0, 0);
 }
 
 static int by_error(const void *a, const void *b)
@@ -245,7 +257,7 @@ static void open_case(struct bench *b, const struct bench_case *c)
 {
     b->n = 0;
     problem_make(&b->problem, c);
-    fprintf(stderr, "%-8s reference\r", c->name);
+    show_progress(c->name, "reference", 1, 1);
     reference_series(&b->problem);
     ours_add(b);
     batch_add(b);

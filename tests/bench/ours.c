@@ -25,8 +25,8 @@ struct ours {
     int n;            /* ticks from one input sample, or output, to the next */
     double h, tick_s; /* length of a tick in model time and in seconds */
     double tol, *scratch;
-    int held_input; /* -1: harmonic */
-    double *sample; /* model units, one period */
+    int held_input;             /* -1: harmonic */
+    double *sample, *sample_si; /* model units and SI, one period */
     step_function *step;
     struct segment first; /* waves at time 0 */
     double half_cosine[MODEL_INPUTS], half_sine[MODEL_INPUTS];
@@ -201,13 +201,9 @@ static void run_plant(void *context, double (*out)[EQUATION_STATES])
     }
     plant_set_state(pl, c->x0);
     for (int k = 0; k < c->b->n_out; k++) {
-        for (int j = 0; j < c->b->holds; j++) {
-            if (c->held_input >= 0)
-                plant_sample(pl, c->held_input,
-                             c->sample[j] * scale_of(&c->scale, c->m->input_signal[c->held_input].quantity),
-                             0);
-            good = good && plant_run(pl, (uint64_t)c->n);
-        }
+        good = good && (c->held_input < 0 ? plant_run(pl, (uint64_t)c->n)
+                                          : plant_run_samples(pl, c->held_input, c->sample_si,
+                                                              (uint32_t)c->b->holds, (uint64_t)c->n));
         memcpy(out[k], pl->x, sizeof pl->x);
         out[k][0] = good ? out[k][0] : (double)NAN;
     }
@@ -220,6 +216,7 @@ static void release(void *context)
     struct ours *c = context;
     free(c->scratch);
     free(c->sample);
+    free(c->sample_si);
     free(c);
 }
 
@@ -235,6 +232,9 @@ static void set_samples(struct ours *c)
     for (int j = 0; j < b->holds; j++)
         c->sample[j] =
             amplitude_of(c, c->held_input) * (double)cosl(TURN * (long double)j / (long double)b->holds);
+    c->sample_si = bench_alloc((size_t)b->holds * sizeof *c->sample_si);
+    for (int j = 0; j < b->holds; j++)
+        c->sample_si[j] = c->sample[j] * scale_of(&c->scale, c->m->input_signal[c->held_input].quantity);
 }
 
 static void set_waves(struct ours *c)

@@ -80,13 +80,14 @@ static void say(struct contactplant *p)
 int main(void)
 {
     const int index[] = {2, 0};
-    const double value[] = {60.0, 7.0}, state[] = {2e-6, 0.03};
+    const double value[] = {60.0, 7.0}, state[] = {2e-6, 0.03}, samples[] = {1.0, 0.0, 4.0};
     struct contactplant_event v;
     struct contactplant *p = contactplant_open(&memory, sizeof memory, "hertz_rig", NULL);
     printf("%u %.17g\n", contactplant_substeps(p), contactplant_tick_time(p));
     contactplant_set_drive(p, 0, 2.0, 225.0, 0.25, 0.05), contactplant_advance(p, 1000), say(p);
     contactplant_set_noise(p, 1, 3.0, 7, 11, 0.01), contactplant_advance_to(p, 0.05), say(p);
     contactplant_set_sample(p, 0, 5.0, 640), contactplant_advance(p, 320), say(p);
+    contactplant_advance_samples(p, 0, samples, 3, 2), say(p);
     contactplant_set_parameters(p, 2, index, value), contactplant_advance(p, 10), say(p);
     contactplant_set_state(p, state, 2), contactplant_advance(p, 6400), say(p);
     printf("%.17g %.17g\n", contactplant_parameter(p, 0), contactplant_parameter(p, 2));
@@ -113,6 +114,7 @@ def every_call():
     p.drive("force", 2.0, 225.0, 0.25, 0.05), p.advance(1000), say()
     p.noise("fast_force", 3.0, 7, 11, 0.01), p.advance_to(0.05), say()
     p.sample("force", 5.0, 640), p.run(5), say()
+    p.advance_samples("force", [1.0, 0.0, 4.0], 2), say()
     p.set_parameters(preload_N=60.0, mass_kg=7.0), p.advance(10), say()
     p.set_state(2e-6, 0.03), p.advance(6400), say()
     lines.append("%.17g %.17g" % (p.parameter("mass_kg"), p.parameter(2)))

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include "firmware/app/app.h"
 #include "models/hertz_rig.h"
 #include "tests/bench/cost/bench_time.h"
@@ -134,10 +135,11 @@ int main(int argc, char **argv)
         frames_us(&a, frame);
         frame_us[r] = bench_time_median(frame, SAMPLES);
         frame_p99[r] = frame[SAMPLES * 99 / 100];
-        fprintf(stderr, "\rround %d of %d", r + 1, rounds);
+        if (isatty(STDERR_FILENO))
+            fprintf(stderr, "\rround %d of %d%s", r + 1, rounds,
+                    r + 1 < rounds ? "" : "\r                \r");
     }
     double hand = bench_time_median(hand_ns, rounds), kernel_median = bench_time_median(kernel, rounds);
-    fprintf(stderr, "\r                \r");
     printf("hand-written rk4 loop, one drive    %7.1f ns a step   (ends at y = %.6f)\n", hand, s.y);
     printf("rk4 kernel as the plant calls it    %7.1f ns a step   ratio %.2f\n", kernel_median,
            kernel_median / hand);

@@ -78,6 +78,14 @@ TEST(library_has_the_plants_bits)
     check_int("advance", contactplant_advance(p, 64), CONTACTPLANT_OK);
     check_true("plant runs", plant_run(&rig, 64));
     check_hex("hash in silence", contactplant_hash(p), plant_hash(&rig));
+    const double value[] = {2.0, -3.0, 0.0, 1.0};
+    check_int("samples", contactplant_advance_samples(p, force, value, 4, 3), CONTACTPLANT_OK);
+    check_int("no sample", contactplant_advance_samples(p, force, NULL, 0, 3), CONTACTPLANT_OK);
+    for (int i = 0; i < 4; i++) {
+        plant_sample(&rig, RIG_FORCE, value[i], 0);
+        check_true("plant runs", plant_run(&rig, 3));
+    }
+    check_hex("hash after four samples of three ticks", contactplant_hash(p), plant_hash(&rig));
 }
 
 /* A scene alone, on a bus, and as the program runs it: the same begin and the same run; or the same

@@ -56,6 +56,7 @@ static void check_no_plant(struct contactplant *p)
     check_int("drive", contactplant_set_drive(p, 0, 1, 1, 1, 1), CONTACTPLANT_BAD_HANDLE);
     check_int("noise", contactplant_set_noise(p, 0, 1, 1, 1, 1), CONTACTPLANT_BAD_HANDLE);
     check_int("sample", contactplant_set_sample(p, 0, 1, 1), CONTACTPLANT_BAD_HANDLE);
+    check_int("samples", contactplant_advance_samples(p, 0, value, 1, 1), CONTACTPLANT_BAD_HANDLE);
     check_int("silence", contactplant_silence(p, 1), CONTACTPLANT_BAD_HANDLE);
     check_int("parameter", contactplant_set_parameter(p, 0, 1), CONTACTPLANT_BAD_HANDLE);
     check_int("state", contactplant_set_state(p, value, 2), CONTACTPLANT_BAD_HANDLE);
@@ -131,6 +132,10 @@ TEST(library_refuses_values)
     refused(p, h, contactplant_set_noise(p, 0, 1, 1, 1, nan), bad, "ramp");
     refused(p, h, contactplant_set_sample(p, 0, nan, 0), bad, "sample");
     refused(p, h, contactplant_set_sample(p, 0, 1, UINT64_MAX), bad, "ticks of the sample");
+    refused(p, h, contactplant_advance_samples(p, 9, state, 2, 1), CONTACTPLANT_BAD_INDEX, "no input 9");
+    refused(p, h, contactplant_advance_samples(p, 0, NULL, 2, 1), bad, "give 2 samples, not NULL");
+    refused(p, h, contactplant_advance_samples(p, 0, (double[]){1, nan}, 2, 1), bad, "sample");
+    refused(p, h, contactplant_advance_samples(p, 0, (double[]){1, 1}, 2, UINT64_MAX / 2), bad, "more ticks");
     refused(p, h, contactplant_silence(p, infinite), bad, "ramp inf");
     refused(p, h, contactplant_set_state(p, state, 2), bad, "not finite");
     refused(p, h, contactplant_set_state(p, state, 1), bad, "give all 2 states");

@@ -174,6 +174,29 @@ static enum outcome run_seen(uint32_t ticks)
     return good ? SAME : general_tick() ? DIFFERS : BOTH_FAILED;
 }
 
+/* Samples that are told ahead, some of them 0, against each told at its instant. */
+static enum outcome run_samples(void)
+{
+    enum { SAMPLES = 40 };
+    double value[SAMPLES];
+    uint32_t n = 1 + pick(SAMPLES), each = 1 + pick(3);
+    int i = (int)pick((uint32_t)alone.model->n_inputs);
+    double unit = scale_of(&alone.scale, alone.model->input_signal[i].quantity);
+    bool one = true;
+    if (pick(2) == 0) { /* no other input sounds */
+        plant_reset(&alone);
+        plant_reset(&parts);
+    }
+    for (uint32_t k = 0; k < n; k++)
+        value[k] = pick(8) == 0 ? 0.0 : between(-0.01, 0.01) * unit;
+    for (uint32_t k = 0; k < n && one; k++) {
+        plant_sample(&alone, i, value[k], 0);
+        one = run_alone(each, 0);
+    }
+    bool other = plant_run_samples(&parts, i, value, n, each);
+    return one != other ? DIFFERS : one ? SAME : BOTH_FAILED;
+}
+
 static enum outcome run_to(uint32_t ticks, uint32_t fraction)
 {
     bool one = run_alone(ticks, fraction);
@@ -198,7 +221,7 @@ static enum outcome part(void)
 {
     uint32_t ticks = 1 + pick(LONGEST), fraction = pick(4) == 0 ? pick(65536) : 0;
     bool seen = fraction == 0 && alone.now.fraction == 0 && pick(2) == 0;
-    enum outcome end = seen ? run_seen(ticks) : run_to(ticks, fraction);
+    enum outcome end = !seen ? run_to(ticks, fraction) : pick(2) == 0 ? run_samples() : run_seen(ticks);
     if (pick(8) == 0)
         try_and_return();
     return end == SAME && !same(&alone, &parts) ? DIFFERS : end;
