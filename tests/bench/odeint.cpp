@@ -194,7 +194,7 @@ template <int N> void add_all(bench *b)
             add(b, "odeint rkf78", both ? "controlled" : "controlled, absolute only", tol, run_rkf78<N>, s);
         }
     }
-    for (double n = p->held ? 1.0 : 16.0; n * p->n_out * p->holds <= 3e5; n *= std::sqrt(2.0)) {
+    for (double n = p->held ? 1.0 : 4.0; n * p->n_out * p->holds <= 3e5; n *= std::sqrt(2.0)) {
         settings s = {p, 0.0, 0.0, int(n)};
         add(b, "odeint rk4", "fixed step", s.steps, run_fixed<N, runge_kutta4<state>>, s);
         add(b, "odeint dopri5", "fixed step", s.steps, run_fixed<N, dopri5<N>>, s);

@@ -270,8 +270,9 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
     phasors_of(s, e, turn);
     adams_push_for(s, half, &push);
     adams_pair middle = drift(&push, turn, half, s->m.at, s->on, s->n_on);
-    adams_push_for(s, h, &push);
-    adams_pair end = drift(&push, turn, h, s->m.at, s->on, s->n_on);
+    if (h != s->h)
+        adams_push_for(s, h, &push);
+    adams_pair end = drift(h == s->h ? &s->push : &push, turn, h, s->m.at, s->on, s->n_on);
     double k1 = s->m.g[0], contact;
     double k2 = force_at(s, stiffness, middle[0], middle[1] + half * k1, &contact);
     double k3 = force_at(s, stiffness, middle[0] + half * half * k1, middle[1] + half * k2, &contact);
