@@ -164,7 +164,7 @@ static char *grey_of(const float *value, const struct scan_image *m, size_t *siz
             float part = (value[i] - low) / span;
             grey[i] = (unsigned char)(part < 0.0f ? 0.0f : part > 1.0f ? 255.0f : 255.0f * part);
         }
-        png_write(f, grey, m->pixels, m->lines);
+        png_write(f, grey, m->pixels, m->lines, NULL);
     }
     if (f)
         fclose(f);
@@ -190,7 +190,7 @@ static void draw_scale(struct afm_demo *d, const struct shown *w, const double r
     for (int i = 0; i < 256; i++)
         grey[i] = (unsigned char)i;
     if (f) {
-        png_write(f, grey, 256, 1);
+        png_write(f, grey, 256, 1, NULL);
         fclose(f);
     }
     high = high > low ? high : low + w->factor; /* as grey_of has it for an even image */

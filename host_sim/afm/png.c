@@ -2,6 +2,7 @@
 #include "host_sim/afm/png.h"
 
 #include <stdint.h>
+#include <string.h>
 #include "firmware/bus/wire.h"
 
 struct png {
@@ -34,7 +35,18 @@ static void put_value(struct png *p, unsigned char value)
     p->b = (p->b + p->a) % 65521;
 }
 
-void png_write(FILE *f, const unsigned char *grey, size_t width, size_t height)
+/* A tEXt chunk: keyword and text. */
+static void put_about(struct png *p, const char *about)
+{
+    static const char keyword[] = "Description";
+    size_t n = strlen(about);
+    begin_chunk(p, (uint32_t)(sizeof keyword + n), "tEXt");
+    put_bytes(p, (const unsigned char *)keyword, sizeof keyword);
+    put_bytes(p, (const unsigned char *)about, n);
+    put_32(p, p->crc);
+}
+
+void png_write(FILE *f, const unsigned char *grey, size_t width, size_t height, const char *about)
 {
     static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
     struct png p = {.f = f, .a = 1};
@@ -45,6 +57,8 @@ void png_write(FILE *f, const unsigned char *grey, size_t width, size_t height)
     put_32(&p, (uint32_t)height);
     put_bytes(&p, (const unsigned char[]){8, 0, 0, 0, 0}, 5);
     put_32(&p, p.crc);
+    if (about)
+        put_about(&p, about);
     begin_chunk(&p, 2 + (uint32_t)height * (length + 5) + 4, "IDAT");
     put_bytes(&p, (const unsigned char[]){0x78, 0x01}, 2);
     for (size_t y = 0; y < height; y++) {

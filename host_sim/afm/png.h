@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Lines of `width` grey values, top first; width at most 65534. The file's errors are told by
- * files_finish. */
-void png_write(FILE *f, const unsigned char *grey, size_t width, size_t height);
+/* Lines of `width` grey values, top first; width at most 65534. `about`: what is seen, ASCII, or NULL. The
+ * file's errors are told by files_finish. */
+void png_write(FILE *f, const unsigned char *grey, size_t width, size_t height, const char *about);
 
 #endif

@@ -252,10 +252,13 @@ static void find_dots(const struct afm_bench *b, const struct scan_image *m, siz
     *high = (size_t)fmax(1.0, round(step_y * (double)m->lines / dot));
 }
 
-/* Black is the least value, white the largest. Unknown values are black. */
-static int write_png(struct afm_bench *b, const struct scan_image *m, const float *value, const char *stem)
+/* Black is the least value, white the largest. Unknown values are black. The file and standard output tell
+ * which those are. */
+static int write_png(struct afm_bench *b, const struct scan_image *m, const float *value, int which,
+                     const char *stem)
 {
-    char name[NAME + 8];
+    char name[NAME + 8], about[2 * NAME];
+    const char *unit = channel[which].unit;
     size_t n = m->pixels * m->lines, wide, high_dots;
     float low = value[0], high = value[0];
     find_dots(b, m, &wide, &high_dots);
@@ -271,9 +274,14 @@ static int write_png(struct afm_bench *b, const struct scan_image *m, const floa
         grey[i] = (unsigned char)(high > low && !isnan(v) ? 255.0f * (v - low) / (high - low) : 0.0f);
     }
     snprintf(name, sizeof name, "%s.png", stem);
+    snprintf(about, sizeof about, "black is %.4g %s, white is %.4g %s", (double)low, unit, (double)high,
+             unit);
+    if (isnan(low))
+        snprintf(about, sizeof about, "no value is known");
+    printf("%s: %s\n", name, about);
     FILE *f = afm_bench_open(b, options_text(&b->o, "out", 0), name);
     if (f)
-        png_write(f, grey, wide, high_dots);
+        png_write(f, grey, wide, high_dots, about);
     free(grey);
     return f ? finish(b, f, name) : STATUS_FAILED;
 }
@@ -290,7 +298,7 @@ static int write_images(struct afm_bench *b, const struct scan_image *m)
             continue;
         stem_of(which, back, stem);
         status = write_gsf(b, m, back, which, stem);
-        status = status ? status : write_png(b, m, m->value[back][which], stem);
+        status = status ? status : write_png(b, m, m->value[back][which], which, stem);
     }
     return status;
 }

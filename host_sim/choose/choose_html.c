@@ -63,7 +63,7 @@ static void put_table(struct html *h, const struct choose_certificate *c)
 {
     char columns[TITLE];
     snprintf(columns, sizeof columns,
-             "model,method,verdict,steps a frame,error,instructions a frame,us a frame on %s,why",
+             "model,method,verdict,steps a frame,error,instructions a frame,µs a frame on %s,why",
              choose_machine[c->machine].name);
     html_table(h, "Candidates", columns);
     for (int i = 0; i < c->n_candidates; i++) {

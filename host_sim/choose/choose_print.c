@@ -62,7 +62,7 @@ static void print_refusal(FILE *out, const struct choose_certificate *c)
             c->scene.tolerance);
     else if (!c->in_time)
         ROW("REFUSED",
-            "Nothing meets the deadline on %s: the fastest takes %.3g us per frame, and %.3g us are allowed. "
+            "Nothing meets the deadline on %s: the fastest takes %.3g µs per frame, and %.3g µs are allowed. "
             "Allow a larger cost, frame or tolerance, or name a faster machine (--on). The fastest is shown.",
             choose_machine[c->machine].name, best_us(c), 1e6 * c->budget_s);
 }
@@ -101,12 +101,12 @@ static void print_cost(FILE *out, const struct choose_certificate *c)
         snprintf(less, sizeof less, ", and the full model at its best %.3g times",
                  choose_frame_cost(&full->attempt[full->best], c->machine) / cost);
     ROW("COST",
-        "%.3g us per frame on %s, %.3g %% of the %.3g us allowed. The scene as given takes %.3g times as "
+        "%.3g µs per frame on %s, %.3g %% of the %.3g µs allowed. The scene as given takes %.3g times as "
         "many instructions%s. Measured here, for information: %.0f ns per step.",
         best_us(c), choose_machine[c->machine].name, 100e-6 * best_us(c) / c->budget_s, 1e6 * c->budget_s,
         c->given_cost / cost, less, t->ns);
-    fprintf(out, "           %-16s %14s %14s %14s %14s\n", "machine", "instr. a step", "instr. a frame",
-            "us a frame", "% of allowed");
+    fprintf(out, "           %-16s %14s %14s %15s %14s\n", "machine", "instr. a step", "instr. a frame",
+            "µs a frame", "% of allowed");
     for (int i = 0; i < CHOOSE_MACHINES; i++) {
         double time_s = choose_time_s(t, c->method, i);
         fprintf(out, "           %-16s %14.0f %14.0f", choose_machine[i].name, t->cost[i],

@@ -249,15 +249,17 @@ static void move_point(const char *from, int places, char to[SHORT_TEXT])
              n - places - 1, digits + places + 1);
 }
 
-static void write_number(double value, const char *unit, bool prefixed, char text[UNIT_TEXT])
+/* micro: how its prefix is spelled; NULL: none is taken. */
+static void write_number(double value, const char *unit, const char *micro, char text[UNIT_TEXT])
 {
     char full[SHORT_TEXT], moved[SHORT_TEXT];
     int exponent = shortest(value, full), digits = (int)strcspn(full, "e");
     int step = (exponent + 30) / 3 - 10; /* thousands, rounded down */
     bool zero = !(value < 0.0) && !(value > 0.0);
-    if (prefixed && !zero && step >= PREFIX_LEAST && step <= 3 && step != 0) {
+    if (micro && !zero && step >= PREFIX_LEAST && step <= 3 && step != 0) {
         move_point(full, exponent - 3 * step, moved);
-        snprintf(text, UNIT_TEXT, "%s %c%s", moved, prefix[step - PREFIX_LEAST], unit);
+        const char one[] = {prefix[step - PREFIX_LEAST], 0};
+        snprintf(text, UNIT_TEXT, "%s %s%s", moved, *one == 'u' ? micro : one, unit);
         return;
     }
     digits -= digits > 1 ? (strchr(full, '.') != NULL) + (*full == '-') : 0;
@@ -267,11 +269,22 @@ static void write_number(double value, const char *unit, bool prefixed, char tex
     snprintf(text, UNIT_TEXT, "%s%s%s", moved, bare(unit) ? "" : " ", bare(unit) ? "" : unit);
 }
 
+static bool takes_prefix(const char *unit)
+{
+    return !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz") ||
+           !strcmp(unit, "J");
+}
+
 void unit_write(double value, const char *unit, char text[UNIT_TEXT])
 {
-    bool prefixed = !strcmp(unit, "m") || !strcmp(unit, "s") || !strcmp(unit, "N") || !strcmp(unit, "Hz") ||
-                    !strcmp(unit, "J");
-    write_number(value, unit, prefixed, text);
+    write_number(value, unit, takes_prefix(unit) ? "u" : NULL, text);
+}
+
+void unit_tell(double value, int digits, const char *unit, char text[UNIT_TEXT])
+{
+    char rounded[SHORT_TEXT];
+    snprintf(rounded, sizeof rounded, "%.*g", digits, value);
+    write_number(strtod(rounded, NULL), unit, takes_prefix(unit) ? "µ" : NULL, text);
 }
 
 double unit_asked(const char *text, size_t n, const char *unit, char *asked)
@@ -291,5 +304,5 @@ double unit_asked(const char *text, size_t n, const char *unit, char *asked)
 
 void unit_write_asked(double value, const char *asked, char text[UNIT_TEXT])
 {
-    write_number(value, asked, false, text);
+    write_number(value, asked, NULL, text);
 }

@@ -23,6 +23,9 @@ bool unit_read_or_bare(const char *text, size_t n, const char *unit, double *val
 /* The shortest text that reads back as this finite value, with a prefix where the unit is m, s, N or Hz. */
 void unit_write(double value, const char *unit, char text[UNIT_TEXT]);
 
+/* A finite value for people, with so many digits and µ for micro. */
+void unit_tell(double value, int digits, const char *unit, char text[UNIT_TEXT]);
+
 /* The unit behind a number that unit_read took, as it stands there, into asked[UNIT_TEXT]. Returns one of it
  * in `unit`. */
 double unit_asked(const char *text, size_t n, const char *unit, char *asked);

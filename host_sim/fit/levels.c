@@ -10,6 +10,7 @@
 #include "host_sim/fit/plan.h"
 #include "host_sim/fit/solve/unknown.h"
 #include "host_sim/fit/tell.h"
+#include "host_sim/out/utf8.h"
 #include "models/math/elementary.h"
 
 enum { POINTS = 45, LEVELS = 5 };
@@ -68,10 +69,11 @@ static void drop_curves(struct fit_setup *s)
 
 static void print_row(const struct fit_setup *s, const struct fit_result *r, bool known, const char *drives)
 {
-    printf("  %-22s", drives);
+    printf("  %-*s", utf8_field(drives, 22), drives);
     for (int k = 0; k < s->n; k++) {
         char text[UNIT_TEXT];
-        printf(" %-13s", known ? tell_width(&s->unknown[k], r->sd[k], text) : "no motion");
+        const char *width = known ? tell_width(&s->unknown[k], r->sd[k], text) : "no motion";
+        printf(" %-*s", utf8_field(width, 13), width);
     }
     putchar('\n');
 }
@@ -81,11 +83,9 @@ static int tell_row(struct fit_setup *s, const double *u, double frequency_Hz, d
 {
     struct fit_result r = {.chi2 = 0.0};
     const char *unit = s->scene.model->input_signal[0].unit;
-    char text[2][UNIT_TEXT], rounded[UNIT_TEXT], drives[2 * UNIT_TEXT + 8];
-    for (int i = 0; i < 2; i++) {
-        snprintf(rounded, sizeof rounded, "%.2g", i ? b : a);
-        unit_write(strtod(rounded, NULL), unit, text[i]);
-    }
+    char text[2][UNIT_TEXT], drives[2 * UNIT_TEXT + 8];
+    unit_tell(a, 2, unit, text[0]);
+    unit_tell(b, 2, unit, text[1]);
     snprintf(drives, sizeof drives, a > 0.0 ? "%s and %s" : "%s%s", a > 0.0 ? text[0] : "", text[1]);
     memcpy(r.u, u, sizeof r.u);
     bool room = (!(a > 0.0) || add_curve(s, frequency_Hz, a)) && add_curve(s, frequency_Hz, b);

@@ -3,12 +3,12 @@
 #include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/unit.h"
 #include "host_sim/fit/levers.h"
 #include "host_sim/fit/plan.h"
 #include "host_sim/fit/solve/problem.h"
+#include "host_sim/out/utf8.h"
 
 enum { POWER_MOST = 3, LEVELS = 3 };
 static const double told_most = 10.0; /* a wider interval says that nothing is known */
@@ -19,7 +19,6 @@ static const double better = 0.5; /* a plan that makes the largest smaller than 
 
 const char *tell_value(const struct fit_unknown *k, double value, double sd, char *text)
 {
-    char rounded[UNIT_TEXT];
     int digits = 2;
     if (k->kind < FIT_DELAY && sd >= told_most) {
         snprintf(text, UNIT_TEXT, "unknown");
@@ -28,18 +27,15 @@ const char *tell_value(const struct fit_unknown *k, double value, double sd, cha
     for (double x = k->kind >= FIT_DELAY ? sd * k->unit_of_u / fmax(fabs(value), 1e-300) : sd;
          x < 1.0 && digits < 9; x *= 10.0)
         digits++;
-    snprintf(rounded, sizeof rounded, "%.*g", digits, value);
-    unit_write(strtod(rounded, NULL), k->unit, text);
+    unit_tell(value, digits, k->unit, text);
     return text;
 }
 
 const char *tell_width(const struct fit_unknown *k, double width, char *text)
 {
-    char rounded[UNIT_TEXT];
-    if (k->kind >= FIT_DELAY) {
-        snprintf(rounded, sizeof rounded, "%.2g", width * k->unit_of_u);
-        unit_write(strtod(rounded, NULL), k->unit, text);
-    } else {
+    if (k->kind >= FIT_DELAY)
+        unit_tell(width * k->unit_of_u, 2, k->unit, text);
+    else {
         snprintf(text, UNIT_TEXT, width < 1.0 ? "%.2g %%" : "%.0f %%", 100.0 * width);
         if (width >= told_most)
             snprintf(text, UNIT_TEXT, "> %.0f %%", 100.0 * told_most);
@@ -60,9 +56,9 @@ static void tell_table(const struct fit_setup *s, const struct fit_result *r, FI
                  tell_width(x, judge_quantile(s, r, false) * r->sd[k], narrow));
         snprintf(half[1], sizeof half[1], "+- %s",
                  tell_width(x, judge_quantile(s, r, true) * r->sd[k], wide));
-        snprintf(narrow, sizeof narrow, "%.5g", x->start);
-        unit_write(strtod(narrow, NULL), x->unit, start);
-        fprintf(f, "  %-18s %-24s %-12s %-12s %s\n", x->name, value, half[0], half[1], start);
+        unit_tell(x->start, 5, x->unit, start);
+        fprintf(f, "  %-18s %-*s %-*s %-*s %s\n", x->name, utf8_field(value, 24), value,
+                utf8_field(half[0], 12), half[0], utf8_field(half[1], 12), half[1], start);
     }
 }
 
@@ -175,9 +171,8 @@ static void tell_plan(struct fit_setup *s, const struct fit_result *r, FILE *f)
         fprintf(f, "a larger drive at the same frequencies would not part them\n");
         return;
     }
-    char level[UNIT_TEXT], rounded[UNIT_TEXT], a[UNIT_TEXT], b[UNIT_TEXT];
-    snprintf(rounded, sizeof rounded, "%.3g", at);
-    unit_write(strtod(rounded, NULL), s->scene.model->input_signal[last->input].unit, level);
+    char level[UNIT_TEXT], a[UNIT_TEXT], b[UNIT_TEXT];
+    unit_tell(at, 3, s->scene.model->input_signal[last->input].unit, level);
     find_pair(s, r, pair);
     double wide = judge_quantile(s, r, false);
     fprintf(f, "a further sweep at %s, with the same noise, would give %s and %s to %s and %s\n", level,

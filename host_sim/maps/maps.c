@@ -265,10 +265,8 @@ int maps_conclude(const struct maps *m, const char *path, const struct maps_find
 
 const char *maps_in_words(double value, const char *unit, char *text)
 {
-    char rounded[UNIT_TEXT];
-    snprintf(rounded, sizeof rounded, "%.6g", value);
     snprintf(text, UNIT_TEXT, "something not finite");
     if (isfinite(value))
-        unit_write(strtod(rounded, NULL), unit, text);
+        unit_tell(value, 6, unit, text);
     return text;
 }

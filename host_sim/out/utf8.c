@@ -50,6 +50,13 @@ int utf8_fits(const char *text, int size)
     return (int)((at - text <= size ? at : end) - text);
 }
 
+int utf8_field(const char *text, int characters)
+{
+    for (const char *c = text; *c; c++)
+        characters += (*c & 0xC0) == 0x80;
+    return characters;
+}
+
 void utf8_mend(char *text)
 {
     const char *at = text;

@@ -26,6 +26,9 @@ size_t utf8_mark(const char *text, size_t n);
 /* The bytes of the text's whole characters among its first `size` bytes: `%.*s` cuts no character. */
 int utf8_fits(const char *text, int size);
 
+/* Bytes of a field for so many characters: `%-*s` aligns the well-formed text. */
+int utf8_field(const char *text, int characters);
+
 /* Bytes that are ill-formed, a character that a buffer has cut among them, become question marks. */
 void utf8_mend(char *text);
 

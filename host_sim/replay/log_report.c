@@ -147,11 +147,10 @@ static void put_beyond(struct log_report *p, const struct scene_app *s, const st
 {
     for (int k = 0; k < DECODE_OUTPUTS; k++) {
         const struct signal *g = &s->config.model->output_signal[k];
-        char rounded[UNIT_TEXT], range[UNIT_TEXT];
+        char range[UNIT_TEXT];
         if (!p->rows.n_beyond[k])
             continue;
-        snprintf(rounded, sizeof rounded, "%.3g", log_series_range(&s->app.scene, k));
-        unit_write(strtod(rounded, NULL), g->unit, range);
+        unit_tell(log_series_range(&s->app.scene, k), 3, g->unit, range);
         html_words(&p->html, "%zu of %zu rows have no %s: it was beyond the bus's range of %s%s.",
                    p->rows.n_beyond[k], p->rows.n, g->name, range,
                    t->sensor_faults ? ", or a fault of its sensor withheld it" : "");

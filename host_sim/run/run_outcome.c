@@ -112,7 +112,7 @@ int run_report_check(const struct options *o)
 
 static void put_histogram(struct html *h, const char *title, const struct histogram *t)
 {
-    html_table(h, title, "less than (us),frames");
+    html_table(h, title, "less than (µs),frames");
     for (unsigned i = 0; i < TIMING_BINS; i++) {
         if (!t->bin[i])
             continue;

@@ -1039,6 +1039,9 @@ grating="--set surface=2 --set pixels=32 --set lines=6 --set pixel_s=3e-3"
 runs 0 "scan, status" scan $grating --set surface_height="4 nm" --out "$dir/scan"
 has "scan: verdict" "$dir/out" "largest force .* nN, 0 crashes"
 is "scan: files" "$(cd "$dir/scan" && echo *)" "$(for i in amplitude error height peak_force phase; do echo $i.gsf $i.png ${i}_back.gsf ${i}_back.png; done | xargs)"
+range="$(tail -c 768 "$dir/scan/height.gsf" | od -An -v -tf4 -w4 | sort -g | awk 'NR == 1 { a = $1 } { b = $1 } END { printf "black is %.4g m, white is %.4g m", a, b }')"
+is "scan: a picture tells the range of its field" "$(grep -ao 'Description.black is .* m, white is [^ ]* m' "$dir/scan/height.png" | tail -c +13)" "$range"
+has "scan: and so does the output" "$dir/out" "^height.png: $range$"
 is "scan: 32 x 6 values of a square micrometre are 32 x 32 square dots" "$(od -An -tu1 -j16 -N8 "$dir/scan/height.png" | xargs)" "0 0 0 32 0 0 0 32"
 "$program" scan $grating --set surface_height="4 nm" --out "$dir/again" 2>/dev/null
 diff -r "$dir/scan" "$dir/again" >"$dir/out"
@@ -1231,9 +1234,9 @@ has "and said to be no more than that" "$dir/out" "^REFUSED *Nothing meets the t
 verdict "its JSON is sound" $?
 sed 's/^cost = [^#]*/cost = 1 ns /' "$dir/rig.ini" >"$dir/hurry.ini"
 runs 1 "a deadline that nothing meets, status" choose "$dir/hurry.ini"
-has "the fastest is shown" "$dir/out" "^REFUSED *Nothing meets the deadline on host: the fastest takes [0-9.]* us per frame"
+has "the fastest is shown" "$dir/out" "^REFUSED *Nothing meets the deadline on host: the fastest takes [0-9.]* µs per frame"
 "$program" choose kb-fig16-cubic --on mps2-an386 >"$dir/out" 2>&1
-has "an M4F's deadline is judged" "$dir/out" "^COST  *[0-9.]* us per frame on mps2-an386, [0-9.]* % of the "
+has "an M4F's deadline is judged" "$dir/out" "^COST  *[0-9.]* µs per frame on mps2-an386, [0-9.]* % of the "
 has "on a board with double in software the choice is another" "$dir/out" "^CHOSEN .* by rk4_float32"
 "$program" choose bbp-fig2-force --tolerance 0.01 >"$dir/out" 2>&1
 has "many contact switches under two drives, coarsely: without location" "$dir/out" "^CHOSEN *hertz_rig by rk4_unlocated"

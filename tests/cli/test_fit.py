@@ -305,7 +305,7 @@ def test_records():
     verdict("  with nothing held: all by a common factor", r.returncode == 1 and "common factor of mass^0.5, stiffness^0.5, preload^0.5, damping^0.5" in r.stdout, told(r))
     shifted = put("shifted.csv", ring_text([(t, z - 5e-6, 0) for t, z, _ in ring]))
     r = fit("--ring", shifted, "--hold", "mass=6.1 kg", "--free", "stiffness,preload,damping,offset")
-    at = re.search(r"^  offset +(\S+) um +\+- \S+ nm +\+- (\S+) nm", r.stdout, re.M)
+    at = re.search(r"^  offset +(\S+) µm +\+- \S+ nm +\+- (\S+) nm", r.stdout, re.M)
     verdict("  from another zero: with its offset", r.returncode == 0 and off(r.stdout) < 1.5 and at and abs(float(at[1]) + 5) < 2e-3 * float(at[2]), told(r))
     bare = put("bare.csv", ring_text(ring, "time_ms,displacement_um\n"))
     r = fit("--ring", bare, "--hold", "mass=6.1 kg")

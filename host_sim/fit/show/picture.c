@@ -73,9 +73,8 @@ static void draw_curve(struct figure *g, const struct fit_setup *s, int i, const
 {
     const struct curve *curve = &s->data.curve[i];
     const struct model *m = s->scene.model;
-    char level[UNIT_TEXT], rounded[UNIT_TEXT], title[FIGURE_TEXT];
-    snprintf(rounded, sizeof rounded, "%.4g", curve->amplitude);
-    unit_write(strtod(rounded, NULL), m->input_signal[curve->input].unit, level);
+    char level[UNIT_TEXT], title[FIGURE_TEXT];
+    unit_tell(curve->amplitude, 4, m->input_signal[curve->input].unit, level);
     figure_axis(g, &(struct figure_axis){"frequency", "Hz", c->x[0], c->x[c->n - 1], false});
     snprintf(title, sizeof title, "amplitude of %s at %s, %s", curve_name(curve, m), level,
              curve->down ? "down" : "up");

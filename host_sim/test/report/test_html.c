@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
 
@@ -111,21 +110,13 @@ static void put_matrix(struct html *h, const struct report_case *r, int n, const
     }
 }
 
-/* The size of a truth in words, four digits. */
-static void put_truth(const struct metric_value *v, const char *unit, char text[UNIT_TEXT])
-{
-    char rounded[UNIT_TEXT];
-    snprintf(rounded, sizeof rounded, "%.4g", v->value);
-    unit_write(strtod(rounded, NULL), unit, text);
-}
-
 /* The peaks of the whole run, which the plant itself knows, and its trouble. */
 static void put_run(struct html *h, const struct bench_result *w)
 {
     const struct metric_value *force = &w->truth[0], *speed = &w->truth[1];
     char text[TROUBLE_TEXT], a[UNIT_TEXT], b[UNIT_TEXT];
-    put_truth(force, "N", a);
-    put_truth(speed, "m/s", b);
+    unit_tell(force->value, 4, "N", a);
+    unit_tell(speed->value, 4, "m/s", b);
     if (force->known && force->value > 0.0)
         html_words(h, "Largest force of the run, by the plant itself: %s at %.6g s.", a, force->when_s);
     if (speed->known && speed->value > 0.0)

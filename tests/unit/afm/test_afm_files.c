@@ -146,7 +146,7 @@ TEST(afm_png)
     static const unsigned char grey[] = {0, 50, 100, 150, 200, 255};
     unsigned char bytes[300], seen[8];
     FILE *f = tmpfile();
-    png_write(f, grey, 3, 2);
+    png_write(f, grey, 3, 2, "black is 1 m");
     rewind(f);
     size_t n = fread(bytes, 1, sizeof bytes, f), at = 8;
     fclose(f);
@@ -159,7 +159,8 @@ TEST(afm_png)
         check_hex("check of a chunk", big(bytes + at + 8 + big(bytes + at)),
                   crc(bytes + at + 4, 4 + big(bytes + at)));
     check_int("the chunks fill the file", (long long)at, (long long)n);
-    const unsigned char *data = bytes + 33 + 8; /* in IDAT */
+    check_bytes("text", bytes + 33 + 4, "tEXtDescription\0black is 1 m", 28);
+    const unsigned char *data = bytes + 33 + 12 + 24 + 8; /* in IDAT */
     check_int("zlib's header", (data[0] * 256 + data[1]) % 31, 0);
     unsigned long a = 1, b = 0;
     for (int line = 0; line < 2; line++) {
