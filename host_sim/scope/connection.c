@@ -129,7 +129,17 @@ static const char *no_stream(const struct connection *c, const struct site *s)
                                      "shows the scope and try again";
 }
 
-static void answer_stream(struct connection *c, struct site *s, bool head)
+/* The first event that will stay in the ring for a while. */
+static uint64_t begin_of_past(const struct site *s)
+{
+    uint64_t at = s->written > SITE_RING - SITE_BEHIND ? s->written - (SITE_RING - SITE_BEHIND) : 0;
+    bool found = at == 0;
+    for (; !found && at < s->written; at++)
+        found = s->ring[at % SITE_RING] == '\n' && s->ring[(at - 1) % SITE_RING] == '\n';
+    return at;
+}
+
+static void answer_stream(struct connection *c, struct site *s, bool head, bool past)
 {
     struct json j;
     const char *why = head ? NULL : no_stream(c, s);
@@ -143,7 +153,8 @@ static void answer_stream(struct connection *c, struct site *s, bool head)
     if (!head) {
         json_put(&j, "retry: 1000\n\n");
         s->greet(s->context, &j);
-        c->place = s->written;
+        c->place = past ? begin_of_past(s) : s->written;
+        c->in_past = past;
         c->state = CONNECTION_STREAMS;
         s->streams++;
     }
@@ -208,7 +219,7 @@ static void answer(struct connection *c, struct site *s, const struct http_reque
     else if (s->ask)
         answer_question(c, s, r);
     else if (!strcmp(r->target, "/events"))
-        answer_stream(c, s, r->head);
+        answer_stream(c, s, r->head, !strcmp(r->query, "past"));
     else
         answer_sentence(c, HTTP_NOT_FOUND, "there is / and /events", r->head);
 }
@@ -321,9 +332,12 @@ static bool send_waiting(struct connection *c, const struct site *s)
 
 static void turn_stream(struct connection *c, struct site *s)
 {
-    bool late = s->written - c->place > SITE_RING, alive = !late && send_waiting(c, s);
-    if (alive && c->first_sent == c->n_first && c->place == s->written)
+    bool late = s->written - c->place > (c->in_past ? SITE_RING : SITE_BEHIND);
+    bool alive = !late && send_waiting(c, s);
+    if (alive && c->first_sent == c->n_first && c->place == s->written) {
         c->until_s = clock_now_s() + CONNECTION_PATIENCE_S;
+        c->in_past = false;
+    }
     if (late || (alive && clock_now_s() > c->until_s)) {
         s->dropped++;
         alive = false;

@@ -3,9 +3,9 @@
  * A client that ends its side of the connection gets its whole answer. While it waits for what a command
  * says, an empty line each second asks whether it is still there.
  *
- * Every stream says the same. The text stands in one ring, and each connection has a place in it. A client
- * that falls behind by the whole ring is dropped. So is one that takes nothing for CONNECTION_PATIENCE_S
- * while something waits. */
+ * Every stream says the same. The text stands in one ring, and each connection has a place in it. "?past"
+ * begins with all that is still there. A client that falls behind by SITE_BEHIND after it has caught up is
+ * dropped. So is one that takes nothing for CONNECTION_PATIENCE_S while something waits. */
 #ifndef HOST_SIM_CONNECTION_H
 #define HOST_SIM_CONNECTION_H
 
@@ -22,7 +22,8 @@ enum {
     CONNECTION_TURN = 1 << 18,        /* bytes sent in one turn */
     CONNECTION_DRAIN = 1 << 20, /* bytes of a refused request that are read, so that the answer arrives */
     CONNECTION_ADDRESS = 64,
-    SITE_RING = 1 << 20
+    SITE_BEHIND = 1 << 20,
+    SITE_RING = 1 << 26 /* over ten minutes of default telemetry; memory is taken as it fills */
 };
 
 #define CONNECTION_PATIENCE_S 5.0 /* for a request to come, and for a byte to be taken */
@@ -70,6 +71,7 @@ struct connection {
     const char *body; /* a page, sent after it */
     size_t n_body, body_sent;
     uint64_t place;   /* a stream: how much of all that was written it was sent */
+    bool in_past;     /* it has not caught up yet */
     int plant;        /* that it commands */
     uint32_t command; /* its number; see control.h */
 };

@@ -96,10 +96,10 @@ def request(target="/", host=None, method="GET", more=""):
 class Browser(threading.Thread):
     """Reads /events and keeps them, by name."""
 
-    def __init__(self, http, room=0):
+    def __init__(self, http, room=0, target="/events"):
         super().__init__(daemon=True)
         self.s = connect(http, room)
-        self.s.sendall(("GET /events HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAccept: text/event-stream\r\n\r\n" % http).encode())
+        self.s.sendall(("GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAccept: text/event-stream\r\n\r\n" % (target, http)).encode())
         self.events = {}
         self.order = []
         self.broken = ""
@@ -206,13 +206,18 @@ def end_ten_seconds(p, c, monitor, browsers, slow):
     print("--- the ten seconds are over", flush=True)
     equal("the controller's status", end(c), 0)
     until(lambda: any(e["dropped"] for e in browsers[0].all("link")), 20)
+    late = Browser(port + 9, target="/events?past")
+    until(lambda: late.all("link") and late.all("link")[-1]["t"] == browsers[0].all("link")[-1]["t"])
     equal("the plant's status", finish(p), 0)
-    for b in browsers:
+    for b in [late, *browsers]:
         b.join(LONG)
     first = browsers[0].list("rows", "rows")[0]
     rows = [r for r in browsers[0].list("rows", "rows") if r[1] <= first[1] + 10.0]
     verdict("rows of 10 s: %d of %d" % (len(rows), ROWS), len(rows) >= 0.99 * ROWS)
     monitor.wait(LONG)
+    whole = late.list("rows", "rows")
+    equal("a late one has the past: its rows are those of the first one, too", whole[whole.index(first):] == browsers[0].list("rows", "rows"), True)
+    equal("  in order, and what is no event", (sorted(whole, key=lambda r: r[1]) == whole, late.broken), (True, ""))
     verdict("one slow browser was dropped", browsers[0].all("link")[-1]["dropped"] == 1, browsers[0].all("link")[-1])
     slow.close()
     equal("what is no event", browsers[0].broken, "")

@@ -5,25 +5,31 @@
  * that they see all phases, and no line joins them. */
 "use strict";
 
-const CONTRACT = 1, KEEP_ROWS = 65536, KEEP_EVENTS = 32768, KEEP_BURSTS = 8, SLOW = 0.1;
+const CONTRACT = 1, KEEP_ROWS = 600000, KEEP_EVENTS = 300000, KEEP_BURSTS = 8, SLOW = 0.1;
 const WINDOWS = [0.02, 0.1, 0.5, 2, 10, 60], WINDOW_MIN = 0.002, WINDOW_MAX = 60;
 const MASK_LAG_S = 0.2, PHASE_GAP = 1 / 40, BAND_ROWS_MAX = 240;
 const COLOURS = ["blue", "green", "purple", "orange"];
 
 /* ---- what is kept ---- */
 
-/* Columns of numbers, the first of them ascending; when there is no room, the older half goes. */
+/* Columns of numbers, the first of them ascending; of twice as many as are kept the older half goes. */
 class Series {
   constructor(width, keep) {
     this.n = 0, this.keep = keep;
-    this.column = Array.from({length: width}, () => new Float64Array(2 * keep));
+    this.column = Array.from({length: width}, () => new Float64Array(1024));
+  }
+  makeRoom() {
+    const most = 2 * this.keep, from = this.n < most ? 0 : this.keep;
+    this.column = this.column.map((c) => {
+      const more = new Float64Array(min(2 * c.length, most));
+      more.set(c.subarray(from));
+      return more;
+    });
+    this.n -= from;
   }
   push(...values) {
-    if (this.n === 2 * this.keep) {
-      for (const c of this.column)
-        c.copyWithin(0, this.keep);
-      this.n = this.keep;
-    }
+    if (this.n === this.t.length)
+      this.makeRoom();
     for (let i = 0; i < this.column.length; i++)
       this.column[i][this.n] = values[i];
     this.n++;
@@ -60,7 +66,7 @@ class Plant {
     this.rows = new Series(ROW_WIDTH, KEEP_ROWS);
     this.events = new Series(5, KEEP_EVENTS); /* t, contact, touch, speed, peak */
     this.masks = new Series(3, KEEP_EVENTS);  /* t, contacts closed, 1 when located */
-    this.summary = new Series(4, 4096);
+    this.summary = new Series(4, 8192);
     this.lockin = [], this.drives = {}, this.said = [], this.bursts = [];
     this.received = 0, this.checked = 0, this.burst = null;
   }
@@ -143,7 +149,7 @@ const hear = {
   lockin(d, p) {
     p.slots = d.slots, p.window_s = d.window_s;
     for (const [t, slot, amplitude, phase] of d.lockin) {
-      p.lockin[slot] ??= new Series(3, 8192);
+      p.lockin[slot] ??= new Series(3, 16384);
       p.lockin[slot].push(t, nan(amplitude), nan(phase));
     }
   },
@@ -193,6 +199,8 @@ function keepValue(p, group, name, value, t) {
     table[name] = Object.assign(table[name] || {}, value);
     const d = table[name];
     p.drives[name] ??= new Series(2, 4096);
+    if (t < p.drives[name].last(0))
+      p.drives[name].n = 0; /* told before the past */
     if (p.drives[name].last(1) !== d.amplitude)
       p.drives[name].push(t, nan(d.amplitude));
     return;
@@ -218,8 +226,9 @@ function checkMasks(p, until) {
 const counted = {pictures: 0, began: performance.now(), frames: 0};
 let connected = false;
 
+/* The first stream begins with the past; one that follows goes on. */
 function connect() {
-  const source = new EventSource("events");
+  const source = new EventSource(hello ? "events" : "events?past");
   for (const name of Object.keys(hear))
     source.addEventListener(name, (e) => {
       const d = JSON.parse(e.data), p = plants.get(d.plant);
@@ -236,8 +245,8 @@ function connect() {
     connected = false;
     if (find("alarm").hidden)
       alarm("Connection lost. This page tries again.");
-    if (source.readyState === EventSource.CLOSED)
-      setTimeout(connect, 1000);
+    source.close();
+    setTimeout(connect, 1000);
   };
 }
 

@@ -10,7 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { EVENT = 1000, EVENTS = 5000 }; /* bytes of one; nearly five times the ring */
+enum { EVENT = 1000, EVENTS = 5000 }; /* bytes of one; nearly five times of what one may be behind */
 
 static struct site *site;
 static struct connection *connection;
@@ -22,10 +22,15 @@ static void greet(void *context, struct json *j)
     json_put(j, "hello\n\n");
 }
 
+static void begin_site(void)
+{
+    site = site ? site : calloc(1, sizeof *site);
+}
+
 static void begin_request(const char *request)
 {
     int pair[2];
-    site = calloc(1, sizeof *site);
+    begin_site();
     connection = calloc(1, sizeof *connection);
     site->greet = greet;
     check_int("sockets", socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
@@ -45,6 +50,7 @@ static void end_request(void)
     connection_close(connection, site);
     close(client);
     free(site);
+    site = NULL;
     free(connection);
 }
 
@@ -54,6 +60,7 @@ static void make_event(int k, char *text)
     memset(text, 'a' + k % 26, EVENT);
     snprintf(text, EVENT, "%08d", k);
     text[8] = ' ';
+    text[EVENT - 2] = text[EVENT - 1] = '\n';
 }
 
 /* Bytes of all that came which are not those of the stream, beginning with `next`, the number expected. */
@@ -77,7 +84,9 @@ static void read_greeting(void)
 {
     char head[4096] = "";
     connection_turn(connection, site);
-    ssize_t n = read(client, head, sizeof head - 1);
+    size_t n = 0;
+    while (n < sizeof head - 1 && !strstr(head, "hello\n\n") && read(client, head + n, 1) == 1)
+        n++;
     check_contains("status", head, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n");
     check_true("greeting", n > 0 && strstr(head, "\r\n\r\nretry: 1000\n\nhello\n\n"));
 }
@@ -107,6 +116,35 @@ TEST(connection_stream_is_whole)
     end_request();
 }
 
+/* A new stream with the past has all that the ring holds, event by event, and goes on. */
+TEST(connection_past_is_whole)
+{
+    char text[EVENT], part[EVENT];
+    int all = SITE_RING / EVENT + 3456, wrong = 0;
+    int first = (int)(((uint64_t)all * EVENT - (SITE_RING - SITE_BEHIND)) / EVENT) + 1, next = first;
+    size_t n_part = 0;
+    begin_site();
+    for (int k = 0; k < all; k++) {
+        make_event(k, text);
+        site_send(site, text, EVENT);
+    }
+    begin_request("GET /events?past HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    read_greeting();
+    for (int k = 0; k < 2 * SITE_RING / CONNECTION_SEND_BUFFER && connection->state == CONNECTION_STREAMS;
+         k++) {
+        wrong += read_events(&next, &n_part, part);
+        connection_turn(connection, site);
+        make_event(all, text);
+        if (k % 100 == 0)
+            site_send(site, text, EVENT);
+        all += k % 100 == 0;
+    }
+    check_int("events that came", next - first, all - first);
+    check_int("of these wrong", wrong, 0);
+    check_true("it has caught up", !connection->in_past);
+    end_request();
+}
+
 TEST(connection_slow_stream_ends)
 {
     char text[EVENT], part[EVENT];
@@ -119,7 +157,7 @@ TEST(connection_slow_stream_ends)
         site_send(site, text, EVENT);
         connection_turn(connection, site);
     }
-    check_is("events until it is dropped", k, >, SITE_RING / EVENT);
+    check_is("events until it is dropped", k, >, SITE_BEHIND / EVENT);
     check_is("and no ring more", k, <, EVENTS);
     check_int("dropped", (int)site->dropped, 1);
     check_int("streams", (int)site->streams, 0);
