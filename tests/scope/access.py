@@ -13,7 +13,7 @@ ACCESS = r"""(() => {
       if (!/, 0\)$|transparent/.test(c)) return c; } return 'rgb(255, 255, 255)'; };
   let texts = 0, least = 21;
   for (const e of document.querySelectorAll('body *')) {
-    if (!e.checkVisibility() || ![...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim())) continue;
+    if (!e.checkVisibility() || e.ariaHidden || ![...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim())) continue;
     const a = luminance(getComputedStyle(e).color), b = luminance(ground(e));
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     texts++, least = Math.min(least, ratio);

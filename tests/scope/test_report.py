@@ -13,6 +13,7 @@ import sys
 import tempfile
 import time
 
+from access import access
 from chromium import Chromium
 
 here = os.path.dirname(os.path.abspath(__file__))
@@ -75,6 +76,12 @@ def looks(browser, path, name, words):
     tab.size(390, 844)
     fits = tab.run("document.documentElement.scrollWidth")
     check(f"{name}: fits a phone", fits <= 390, f"{fits} px")
+    for dark in (True, False):
+        tab.dark(dark)
+        access(tab, f"{name}, {'dark' if dark else 'light'}")
+        if pictures:
+            time.sleep(0.3)
+            tab.picture(os.path.join(pictures, f"{name}_390{'_dark' if dark else ''}.png"))
     tab.size(1000, 800)
     pdf = base64.b64decode(tab.call("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
     boxes = set(re.findall(rb"/MediaBox\s*\[\s*0 0 ([\d.]+) ([\d.]+)", pdf))

@@ -235,6 +235,9 @@ try:
             settle(tab)
             wide = tab.run("document.documentElement.scrollWidth")
             check("fits 390 px" + (" with its keys" if keys else ""), wide <= 390, f"{wide} px")
+            apart = tab.run("[...document.querySelectorAll('#keys kbd')].every((k) => k.getBoundingClientRect().right <= "
+                            "k.parentElement.nextElementSibling.getBoundingClientRect().left)")
+            check("  no key stands over its words", apart or not keys)
             look(tab, "view_390")
             tab.key("?")
         check("no complaint in the console", not tab.errors, tab.errors or "")

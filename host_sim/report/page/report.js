@@ -75,7 +75,8 @@ function addChart(section, s) {
 function addKey(section, layers) {
   const key = layers.length ? add(section, "p", "", "key") : null;
   for (const l of layers) {
-    add(key, "span", "■ ").style.color = `var(--${l.ink})`;
+    const box = add(key, "span", "■ ");
+    box.style.color = `var(--${l.ink})`, box.ariaHidden = true;
     add(key, "span", l.name + "   ");
   }
 }

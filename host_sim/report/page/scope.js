@@ -12,7 +12,7 @@ const COLOURS = ["blue", "green", "purple", "orange"];
 
 /* ---- what is kept ---- */
 
-/* Columns of numbers, the first of them ascending; of twice as many as are kept the older half goes. */
+/* Columns of numbers, the first ascending; of twice what is kept the older half goes. */
 class Series {
   constructor(width, keep) {
     this.n = 0, this.keep = keep;
@@ -158,7 +158,7 @@ const hear = {
       for (const [name, value] of Object.entries(d[group] || {}))
         keepValue(p, group, name, value, d.t);
   },
-  status(d, p) { p.status = d; },
+  status(d, p) { p.status = d, p.until ??= d.t; },
   said(d, p) {
     for (const m of d.said)
       if (m[2] === "LATENCY")
@@ -186,7 +186,7 @@ const hear = {
   timing(d, p) { p.timing = d; },
   restart(d, p) {
     p.begin();
-    p.range = {};
+    p.range = {}, p.until = 0;
     view.end = null;
   },
   link(d, p) { p.link = d; },
@@ -200,7 +200,7 @@ function keepValue(p, group, name, value, t) {
     const d = table[name];
     p.drives[name] ??= new Series(2, 4096);
     if (t < p.drives[name].last(0))
-      p.drives[name].n = 0; /* told before the past */
+      p.drives[name].n = 0;
     if (p.drives[name].last(1) !== d.amplitude)
       p.drives[name].push(t, nan(d.amplitude));
     return;
@@ -223,10 +223,9 @@ function checkMasks(p, until) {
   }
 }
 
-const counted = {pictures: 0, began: performance.now(), frames: 0};
+const counted = {pictures: 0, began: performance.now()};
 let connected = false;
 
-/* The first stream begins with the past; one that follows goes on. */
 function connect() {
   const source = new EventSource(hello ? "events" : "events?past");
   for (const name of Object.keys(hear))
@@ -977,8 +976,9 @@ function listen() {
 let tablesAt = 0;
 function picture(now) {
   requestAnimationFrame(picture);
-  counted.frames++;
-  if (shown && hello.contract === CONTRACT) {
+  const past = shown?.until - shown?.now > 1;
+  if (shown && !(past && now < counted.at + 500) && hello.contract === CONTRACT) {
+    counted.at = now;
     for (const panel of panels)
       panel.draw(panel, shown);
     drawBurst();

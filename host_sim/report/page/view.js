@@ -325,7 +325,8 @@ function signalPanel(panel, r) {
 /* Cursor and marks. */
 function finish(panel) {
   const {chart} = panel, first = panel === panels[1];
-  view.marks.forEach((t, i) => t >= view.from && t <= view.to && chart.marker(t, "purple", first ? String(i + 1) : ""));
+  const near = (i) => chart.px(view.marks[i]) - chart.px(view.marks[i - 1]) < 14; /* no room for two numbers */
+  view.marks.forEach((t, i) => t >= view.from && t <= view.to && chart.marker(t, "purple", first && !near(i) ? String(i + 1) : ""));
   if (view.cursor >= view.from && view.cursor <= view.to)
     chart.marker(view.cursor, "ink", "", []);
   if (view.drag)
@@ -465,8 +466,11 @@ function overviewLanes(chart, r) {
   const map = columnsOf(chart, r), key = Object.keys(r.bands)[0];
   if (key) {
     const [low, high] = rangeOf(...extremes([...r.bands[key][0], ...r.bands[key][1]]));
-    const part = (list) => pick(map, list).map((v) => (v - low) / (high - low));
-    chart.band(part(r.bands[key][0]), part(r.bands[key][1]), "blue");
+    const edges = r.bands[key].map((list) => list.map((v) => v === null ? null : (v - low) / (high - low)));
+    if (isSparse(r))
+      edgesOf(r, edges, (t, edge) => chart.points(t, edge, "blue", {size: 1}));
+    else
+      chart.band(pick(map, edges[0]), pick(map, edges[1]), "blue");
   }
   for (const [kind, ink] of [["missing", "grey"], ["overrun", "red"], ["refusal", "red"], ["fault", "red"]])
     for (const [k] of r.counts[kind])
@@ -476,18 +480,18 @@ function overviewLanes(chart, r) {
 /* ---- words ---- */
 
 function wordsOf(m) {
-  const at = `${number(m.t, 9)} s `;
+  const at = `${number(m.t, 9)} s: `;
   switch (m.kind) {
   case "touchdown":
   case "liftoff":
     return at + (m.kind === "liftoff" ? "lift-off" : m.kind) + ` of contact ${m.contact}` + (m.speed === null ? "" : ", " + quantity(m.speed, "m/s")) +
       (m.kind === "liftoff" && m.peak !== null ? ", peak force " + quantity(m.peak, "N") : "");
   case "refusal": return at + `${m.message} refused: ${plain(m.cause)}`;
-  case "fault": return at + "fault: " + faultWords(m.what);
+  case "fault": return at + "fault " + faultWords(m.what);
   case "overrun": return at + `${m.n} frame periods missed`;
   case "missing": return at + `${m.n} frames missing`;
   case "session": return at + `session ${m.what}`;
-  default: return at + "state: " + plain(m.state);
+  default: return at + "state " + plain(m.state);
   }
 }
 
