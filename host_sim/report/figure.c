@@ -11,7 +11,7 @@
 
 enum { NAME_SHOWN = 100 };
 
-static const char *const ink_of[] = {"blue", "red", "green", "orange", "purple", "#56b4e9", "grey", "none"};
+static const char *const ink_of[] = {"blue", "red", "green", "orange", "purple", "sky", "grey", "none"};
 
 static const char *text_or(const char *text, const char *other)
 {

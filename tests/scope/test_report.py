@@ -78,7 +78,10 @@ def looks(browser, path, name, words):
     check(f"{name}: fits a phone", fits <= 390, f"{fits} px")
     for dark in (True, False):
         tab.dark(dark)
+        tab.wait(f"(document.documentElement.dataset.theme === 'dark') === {str(dark).lower()}")
         access(tab, f"{name}, {'dark' if dark else 'light'}")
+        inks = tab.run("[...document.querySelectorAll('.key span[aria-hidden]')].map((e) => getComputedStyle(e).color)")
+        check(f"{name}: each colour of a key is its own, and not the text's", tab.run("getComputedStyle(document.body).color") not in inks, inks)
         if pictures:
             time.sleep(0.3)
             tab.picture(os.path.join(pictures, f"{name}_390{'_dark' if dark else ''}.png"))

@@ -63,7 +63,7 @@ let colours = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
   colours = {};
-  for (const name of ["ink", "dim", "grid", "paper", "blue", "red", "green", "orange", "purple", "grey", "ground", "accent"])
+  for (const name of ["ink", "dim", "grid", "paper", "blue", "red", "green", "orange", "purple", "sky", "grey", "ground", "accent"])
     colours[name] = style.getPropertyValue("--" + name).trim();
 }
 const colour = (name) => colours[name] || name;
