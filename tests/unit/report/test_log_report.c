@@ -181,7 +181,7 @@ TEST(log_report_without_an_event)
     check_says(text, "seen in the rows alone", false);
     check_says(text, "largest force", false);
     check_says(text, "hardest impact", false);
-    check_says(text, "25 of 100 rows have no displacement: it was beyond the bus's range of 419 um.", true);
+    check_says(text, "25 of 100 rows have no displacement: it was beyond the bus's range of 419 µm.", true);
     check_says(text, "\"kind\":\"span\",\"name\":\"beyond the bus's range\"", true);
 }
 
