@@ -126,7 +126,7 @@ $(FW)/tests/bench/cost/work_pieces.o: FW_FLAGS += -DBOARD_SUBSTEPS=$(SUBSTEPS)
 $(FW)/firmware/main.o $(FW)/hal/board/cortex_m.o $(FW)/tests/boards/board_hash.o $(FW)/tests/bench/cost/work_pieces.o: $(FW)/choice
 
 $(FW)/contactplant.elf: $(FW)/firmware/main.o $(FW_CORE)
-$(FW)/board_hash.elf: $(call fw_obj,tests/boards/board_hash.c tests/bits/hash_run.c tests/bits/arithmetic.c) $(FW_CORE)
+$(FW)/board_hash.elf: $(call fw_obj,tests/boards/board_hash.c tests/bits/hash_run.c tests/bits/hash_peak_force.c tests/bits/arithmetic.c) $(FW_CORE)
 $(FW)/board_cost.elf: $(call fw_obj,tests/boards/board_cost.c tests/bench/cost/work_pieces.c tests/bench/cost/worst_cases.c tests/bench/rate/rate_cases.c) $(FW_CORE)
 $(FW)/rate_board.elf: $(call fw_obj,tests/bench/rate/rate_board.c tests/bench/rate/rate_cases.c) $(FW_CORE)
 $(FW)/lever_board.elf: $(call fw_obj,tests/bench/rate/lever_board.c tests/bench/rate/rate_cases.c) $(FW_CORE)

@@ -34,7 +34,7 @@ static const struct {
                          "stage: a resonance has 1e-6 to 1e9 Hz and a damping ratio of 1e-6 to 0.999"},
     [STAGE_NOISE] = {0.0, 1e9, 0.0, 0.0, "stage: a noise density is 0 to 1e9"},
     [STAGE_FLICKER] = {1e-6, 1e9, 1e-30, 1e9,
-                       "stage: a 1/f noise has a corner of 1e-6 to 1e9 Hz and the noise density above 0"},
+                       "stage: noise_corner, of 1/f noise, is 1e-6 to 1e9 Hz and needs a noise_density"},
     [STAGE_DRIFT] = {-1e9, 1e9, 0.0, 0.0, "stage: a drift is -1e9 to 1e9 a second"},
     [STAGE_LAG] = {1e-6, 1e12, 0.0, 0.0, "stage: a lag has a corner of 1e-6 to 1e12 Hz"},
     [STAGE_CLIP] = {0.0, 1e18, 0.0, 0.0, "stage: a clip is 0 to 1e18"},

@@ -1,8 +1,9 @@
 /* hash_print.c - prints tests/data/hash.txt: a line for every trajectory of tests/bits/hash_run.h, its name
- * and the hash after each block; so for double arithmetic and for batches. */
+ * and the hash after each block; so for double arithmetic, peak force tapping and batches. */
 #include <inttypes.h>
 #include <stdio.h>
 #include "tests/bits/hash_batch.h"
+#include "tests/bits/hash_peak_force.h"
 #include "tests/bits/hash_run.h"
 
 static void block(uint32_t hash)
@@ -33,6 +34,8 @@ int main(void)
         printf("%s:%s", c.plant, c.method);
         status |= end(hash_run(&c, HASH_BLOCKS, &pl, scratch, block));
     }
+    printf("microscope:peak_force");
+    status |= end(hash_peak_force(HASH_BLOCKS, block));
     printf("hertz_rig:batch");
     status |= end(hash_batch(block));
     return status;

@@ -2,6 +2,7 @@
  * blocks of each, in the lines of tests/data/hash.txt. */
 #include "hal/board/board.h"
 #include "hal/board/console.h"
+#include "tests/bits/hash_peak_force.h"
 #include "tests/bits/hash_run.h"
 
 static struct plant pl;
@@ -40,5 +41,7 @@ int main(void)
         console_text(c.method);
         status |= end(hash_run(&c, BOARD_BLOCKS, &pl, scratch, block));
     }
+    console_text("microscope:peak_force");
+    status |= end(hash_peak_force(BOARD_BLOCKS, block));
     return status;
 }

@@ -77,7 +77,7 @@ TEST(stage_flicker_spectrum)
     make(TICK_S, STAGE_FLICKER, CORNER, DENSITY);
     for (int i = 0; i < TICKS; i++)
         noise[i] = (float)stage_run(&stage, 0.0);
-    for (double f = 0.256; f > 9e-4; f /= 2.0)
+    for (double f = 0.512; f > 3e-3; f /= 2.0)
         check_density(noise, TICKS, f * CORNER);
 }
 
