@@ -15,9 +15,9 @@
  * taylor's, with its default tolerance. Above TAYLOR_TOL_MOST it is rk4's under any drives where rk4 takes
  * the step.
  *
- * adams keeps 1e-3 at up to ADAMS_STEADY_ANGLE, across switches, too, for motions down to 1e-6 static
- * compressions. Forces have no part in its error. A base or a stiffness has, and a force that ramps or
- * changes again within ADAMS_STEADY costs it more than rk4: these are for the other two.
+ * adams keeps 1e-3 at up to ADAMS_STEADY_ANGLE, across switches, too. Forces have no part in its error. A
+ * base or a stiffness has, and a force that ramps or changes again within ADAMS_STEADY costs it more than
+ * rk4: these are for the other two.
  *
  * `prepare` chooses by model, step and tolerance, so a change of parameters may change the method: state and
  * regime belong to the plant, and the tables are made anew. Between rk4, taylor and adams the choice is made

@@ -261,10 +261,11 @@ static void phasors_of(const struct adams *s, const struct segment *e, struct ph
         turn[s->on[k]] = (struct phasor){e->wave[s->on[k]].cosine, e->wave[s->on[k]].sine};
 }
 
-/* By the classical Runge-Kutta method of order 4 on what the inputs leave to g, for the next g. */
+/* By the classical Runge-Kutta method of order 4 on what the inputs and the g at the begin leave, for the
+ * next g. So a motion's part that stays, as a load in balance, has no error. */
 NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
 {
-    double h = e->length, half = 0.5 * h, stiffness = stiffness_at(s, e->at[1]);
+    double h = e->length, half = 0.5 * h, g = s->m.g[0], stiffness = stiffness_at(s, e->at[1]), contact;
     struct adams_push push;
     struct phasor turn[MODEL_INPUTS];
     phasors_of(s, e, turn);
@@ -273,16 +274,15 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
     if (h != s->h)
         adams_push_for(s, h, &push);
     adams_pair end = drift(h == s->h ? &s->push : &push, turn, h, s->m.at, s->on, s->n_on);
-    double k1 = s->m.g[0], contact;
-    double k2 = force_at(s, stiffness, middle[0], middle[1] + half * k1, &contact);
-    double k3 = force_at(s, stiffness, middle[0] + half * half * k1, middle[1] + half * k2, &contact);
-    double k4 = force_at(s, stiffness_at(s, e->at[2]), end[0] + half * h * k2, end[1] + h * k3, &contact);
+    middle += g * (adams_pair){0.5 * half * half, half};
+    end += g * (adams_pair){half * h, h};
+    double k2 = force_at(s, stiffness, middle[0], middle[1], &contact) - g;
+    double k3 = force_at(s, stiffness, middle[0], middle[1] + half * k2, &contact) - g;
+    double k4 = force_at(s, stiffness_at(s, e->at[2]), end[0] + half * h * k2, end[1] + h * k3, &contact) - g;
     double sixth = h * (1.0 / 6.0);
-    s->m.at = end + (adams_pair){h * sixth * (k1 + (k2 + k3)), sixth * ((k1 + k4) + 2.0 * (k2 + k3))};
+    s->m.at = end + (adams_pair){h * sixth * (k2 + k3), sixth * (k4 + 2.0 * (k2 + k3))};
     note_force(s, e->at[2]);
 }
-
-/* ---- the step ---- */
 
 /* ---- the step ---- */
 
