@@ -930,14 +930,14 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
     return true;
 }
 
-/* Input i is all that sounds, it may jump, and its sample is all of it. */
+/* Input i is all that sounds, it may jump, and its sample is all of it, as it was in the last tick. */
 static bool is_held(const struct plant *pl, int i)
 {
     const struct drive *d = &pl->drive[i];
     unsigned alone = 1u << i;
     return pl->awake == alone && pl->segment.active == alone && pl->now.fraction == 0 && !pl->staged &&
-           pl->model->input_signal[i].quantity != QUANTITY_LENGTH && drive_stands(d) && d->amplitude == 0.0 &&
-           (d->ramp_left | d->sample_left) == 0 && !d->noise.active;
+           pl->model->input_signal[i].quantity != QUANTITY_LENGTH && d->phasor_valid && drive_stands(d) &&
+           d->amplitude == 0.0 && !d->noise.active;
 }
 
 /* The next sample of an input that is held. */
@@ -956,7 +956,7 @@ bool plant_run_samples(struct plant *pl, int i, const double *value, uint32_t n,
     double unit = unit_of(pl, i);
     bool good = true, held = false;
     for (uint32_t k = 0; k < n && good; k++) {
-        if (held && value[k] != 0.0) {
+        if (held && value[k] / unit != 0.0) {
             good = run_sample(pl, i, value[k] / unit, ticks);
         } else {
             plant_sample(pl, i, value[k], 0);

@@ -182,10 +182,15 @@ static enum outcome run_samples(void)
     uint32_t n = 1 + pick(SAMPLES), each = 1 + pick(3);
     int i = (int)pick((uint32_t)alone.model->n_inputs);
     double unit = scale_of(&alone.scale, alone.model->input_signal[i].quantity);
+    double ramp_s = pick(SAMPLES) * alone.tick_s;
+    uint32_t before = pick(4);
     bool one = true;
-    if (pick(2) == 0) { /* no other input sounds */
+    if (before == 0) { /* no other input sounds */
         plant_reset(&alone);
         plant_reset(&parts);
+    } else if (before == 1) { /* all fall silent on the way */
+        plant_drives_to_zero(&alone, ramp_s);
+        plant_drives_to_zero(&parts, ramp_s);
     }
     for (uint32_t k = 0; k < n; k++)
         value[k] = pick(8) == 0 ? 0.0 : between(-0.01, 0.01) * unit;
