@@ -9,6 +9,7 @@
 #include "host_sim/cli/clock.h"
 #include "host_sim/cli/files.h"
 #include "host_sim/commands.h"
+#include "host_sim/scene/scene_app.h"
 #include "host_sim/scene/scene_range.h"
 
 enum { PATH = 4096 };
@@ -32,7 +33,7 @@ static int find_number(const char *text)
 static int read_settings(struct afm_bench *b)
 {
     int status = 0;
-    struct scene_range_names own = {.n = STATION_NUMBERS};
+    struct scene_range_names own = {.n = STATION_NUMBERS, .where = "contactplant list microscope shows them"};
     struct scene_key key[STATION_NUMBERS];
     for (int i = 0; i < STATION_NUMBERS; i++) {
         scene_keys_parameter(&station_number[i], 0, &key[i]);
@@ -147,36 +148,6 @@ static const char *read_stages(const struct scene *scene, const double *si, stru
     return NULL;
 }
 
-/* The largest force that the sensor alone reads in three cycles of peak force off the surface, N. */
-static double sensor_noise(const struct afm_bench *b)
-{
-    static struct stage sensor;
-    struct peak_force p = b->station.swing;
-    double largest = 0.0, ticks = b->number[STATION_TICKS];
-    sensor = b->sensor;
-    for (uint32_t i = 0; i < 3 * p.samples; i++) {
-        double reading = 0.0;
-        for (int k = 0; k < ticks; k++)
-            reading = stage_run(&sensor, 0.0);
-        (void)peak_force_z(&p);
-        if (peak_force_read(&p, reading, 0.0))
-            largest = fmax(largest, p.cycle.peak_N);
-    }
-    return largest;
-}
-
-static int check_noise(const struct afm_bench *b)
-{
-    bool reads = station_swings(b->number) && b->station.microscope.sensor.run;
-    double noise = reads ? sensor_noise(b) : 0.0;
-    return noise < b->number[STATION_PEAK_FORCE] || !reads
-               ? 0
-               : options_misuse(b->usage,
-                                "peak_force_N is below the noise of a cycle: the sensor alone reads up to "
-                                "%.3g nN; give more, or [stage deflection] a lower lag or noise_density",
-                                noise * 1e9);
-}
-
 int afm_bench_start(struct afm_bench *b)
 {
     struct station_config c = {
@@ -191,7 +162,10 @@ int afm_bench_start(struct afm_bench *b)
     why = station_init(&b->station, &c);
     if (why)
         return options_misuse(b->usage, "%s", why);
-    return check_noise(b);
+    char noise[SCENE_REASON];
+    return !b->station.microscope.sensor.run || scene_sensor_is_quiet(&b->station, &b->sensor, noise)
+               ? 0
+               : options_misuse(b->usage, "%s", noise);
 }
 
 void afm_bench_warn(const struct afm_bench *b)

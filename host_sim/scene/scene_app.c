@@ -1,11 +1,13 @@
 /* scene_app.c - see scene_app.h. */
-#include "firmware/method/auto.h"
 #include "host_sim/scene/scene_app.h"
+#include "firmware/afm/afm_plant.h"
 #include "firmware/app/plant_scene.h"
+#include "firmware/method/auto.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/cli/options.h"
 #include "models/math/elementary.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -103,6 +105,47 @@ static const char *check_drives(const struct scene_app *s)
     return NULL;
 }
 
+static double largest_reading(const struct station *s, const struct stage *sensor)
+{
+    struct stage stage = *sensor;
+    struct peak_force p = s->swing;
+    double largest = 0.0, ticks = s->number[STATION_TICKS];
+    for (uint32_t i = 0; i < 3 * p.samples; i++) {
+        double reading = 0.0;
+        for (int k = 0; k < ticks; k++)
+            reading = stage_run(&stage, 0.0);
+        (void)peak_force_z(&p);
+        if (peak_force_read(&p, reading, 0.0))
+            largest = fmax(largest, p.cycle.peak_N);
+    }
+    return largest;
+}
+
+bool scene_sensor_is_quiet(const struct station *s, const struct stage *sensor, char *why)
+{
+    double noise = station_swings(s->number) ? largest_reading(s, sensor) : -1.0;
+    if (noise < s->number[STATION_PEAK_FORCE])
+        return true;
+    snprintf(why, SCENE_REASON,
+             "%s is below the noise of a cycle: the sensor alone reads up to %.3g nN; give more, or its "
+             "[stage] a lower lag or noise_density",
+             station_number[STATION_PEAK_FORCE].name, noise * 1e9);
+    return false;
+}
+
+bool scene_app_is_quiet(const struct app *a, char *why)
+{
+    struct stage sensor;
+    for (int i = 0; i < STAGE_SLOTS && scene_is_microscope(a->plant.model); i++) {
+        const struct station *s = afm_plant_station(a->plant.scratch);
+        const double *own = &a->setting[SET_STAGE + STAGE_SETTINGS * i];
+        if ((int)own[STAGE_AT] == 1 + MODEL_INPUTS + AFM_PLANT_DISPLACEMENT &&
+            !stages_build(&sensor, s->microscope.tick_s, a->setting[SET_SENSOR_SEED], i, own))
+            return scene_sensor_is_quiet(s, &sensor, why);
+    }
+    return true;
+}
+
 bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why)
 {
     char subject[SCENE_SUBJECT];
@@ -120,7 +163,7 @@ bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why)
     }
     if (s->origin != SCENE_OF_MODEL)
         plant_scene_begin(&s->app.plant, &s->scene, s->si, s->drive);
-    return true;
+    return scene_app_is_quiet(&s->app, why);
 }
 
 double scene_resonance_Hz(const struct scene_app *s)

@@ -3,6 +3,7 @@
 #ifndef HOST_SIM_SCENE_APP_H
 #define HOST_SIM_SCENE_APP_H
 
+#include "firmware/afm/station.h"
 #include "firmware/app/app.h"
 #include "firmware/stage/stages.h"
 #include "host_sim/scene/scene_name.h"
@@ -32,6 +33,12 @@ void scene_app_default_settings(struct scene_app *s);
 /* The app, ready to run on this hal, in the scene's initial state. config.scratch and capture are the
  * caller's. False: why[SCENE_REASON] says what is wrong. */
 bool scene_app_start(struct scene_app *s, const struct hal *hal, char *why);
+
+/* A sensor alone must read less than the set point of peak force: its largest force in three cycles off the
+ * surface. False: why[SCENE_REASON] says what to give. The second form is that of a plant that was started,
+ * of any model. */
+bool scene_sensor_is_quiet(const struct station *s, const struct stage *sensor, char *why);
+bool scene_app_is_quiet(const struct app *a, char *why);
 
 /* Sets a model parameter or an app setting by its wire index, to a value that was checked. */
 void scene_set(struct scene_app *s, int index, double value);

@@ -87,9 +87,9 @@ int scene_range_find(const struct usage *u, const struct scene *s, const char *n
     }
     for (int i = 0; also && i < also->n; i++)
         names[count++] = also->name[i];
-    const char *hint = also          ? "contactplant list microscope shows them"
-                       : count > FEW ? "contactplant scene shows them"
-                                     : NULL;
+    const char *hint = also && also->where ? also->where
+                       : count > FEW       ? "contactplant scene shows them"
+                                           : NULL;
     return options_misuse(u, "%.*s: no such number in this scene%s", (int)n, name,
                           options_advise_in(advice, sizeof advice, name, n, names, count, hint));
 }

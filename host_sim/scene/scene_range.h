@@ -30,6 +30,7 @@ enum { SCENE_RANGE_ALSO = 96 };
 struct scene_range_names {
     const char *name[SCENE_RANGE_ALSO];
     int n;
+    const char *where; /* "contactplant .. shows them", for a name near to none; NULL: the usual one */
 };
 
 /* The number that is called name[0..n-1]: key, column and input of *r. */

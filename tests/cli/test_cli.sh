@@ -1058,6 +1058,8 @@ creep_per_decade = 0.015
 noise_density = 100 fm/sqrt(Hz)
 EOF
 refuses 2 "is below the noise of a cycle: the sensor alone reads up to" scan "$dir/piezo.ini" --set peak_force=5nN --set ticks=2
+refuses 2 "is below the noise of a cycle: the sensor alone reads up to" run microscope --substeps 2400 \
+    --set peak_force=5nN --set ticks=2 --set stage_0_at=5 --set stage_0_noise_density=1e-13
 cut="scan $dir/piezo.ini --set surface=2 --set pixels=48 --set lines=12 --set pixel_s=2e-3"
 "$program" $cut --out "$dir/whole" 2>/dev/null &
 uncut=$!

@@ -578,7 +578,7 @@ def test_interrupted():
 
 
 def test_bad_lines():
-    for words, why in ((("--hold", "preload"), "NAME=VALUE"), (("--free", "mas"), "did you mean mass"), (("--free", "mass,"), "commas between"), (("--free", "mass,mass"), "twice"),
+    for words, why in ((("--hold", "preload"), "NAME=VALUE"), (("--free", "mas"), "did you mean mass"), (("--free", "zz"), "scene; contactplant scene shows them"), (("--free", "mass,"), "commas between"), (("--free", "mass,mass"), "twice"),
                        (("--free", "mass", "--hold", "mass=6 kg"), "both"), (("--free", "force.amplitude"), "belongs to a drive"), (("--hold", "mass=6 N"), "does not fit"),
                        (("--free", "gain.forse"), "did you mean gain.force"), (("--out", "small.csv"), "read by this command")):
         r = fit("--sweep", "small.csv", *words)

@@ -36,11 +36,11 @@ def write(text, name="t.test"):
 
 
 def values(name, case):
-    """Of each expectation of a case by its metric."""
+    """Of each expectation of a case by its metric, in SI."""
     test(name, "--case", case, "--json", "values.json")
     with open(os.path.join(directory, "values.json")) as f:
         found = json.load(f)["cases"][0]
-    return {o["expect"].split(" ")[0]: o["value"] for o in found["expects"]}, found
+    return {o["expect"].split(" ")[0]: o["value"] * {"ms": 1e-3, "kHz": 1e3}.get(o["unit"], 1.0) for o in found["expects"]}, found
 
 
 def example(name):
@@ -171,6 +171,7 @@ MISTAKES = {  # what stands in the file, and what the line says
     "no metric \"eigenfrequency\"": PLANT + "[case a]\nover = 1 ms\nexpect eigenfrequency <= 1 Hz\n",
     "out of range": PLANT + "[case a]\nki = -1\n",
     "is not below the free amplitude": PLANT + "[case a]\nover = 1 ms\nsetpoint = 30 nm\nexpect z <= 1 nm\n",
+    "the sensor alone reads up to": PLANT.replace("tapping", "loud.ini") + "[case a]\nover = 1 ms\npeak_force = 5 nN\nticks = 2\nexpect z <= 1 nm\n",
     "rate and substeps are a bus's": PLANT + "[case a]\nover = 1 ms\nrate = 1 kHz\nexpect z <= 1 nm\n",
     "link and golden are a bus's": PLANT + "[case a]\nover = 1 ms\nlink = drop=0.1\nexpect z <= 1 nm\n",
     "has no arm and no faults": PLANT + "[case a]\nover = 1 ms\nat 0 s arm force amplitude=1 nN\nexpect z <= 1 nm\n",
@@ -182,6 +183,7 @@ MISTAKES = {  # what stands in the file, and what the line says
 
 
 def test_mistakes():
+    write("[plant]\nmodel = afm_lever\n[stage deflection]\npreset = photodiode\n", "loud.ini")
     for line, text in MISTAKES.items():
         r = test(write(text))
         verdict("a mistake: .. %s ..: one line, status 2" % line, r.returncode == 2 and r.stderr.count("\n") <= 2 and line in r.stderr, r.stderr + r.stdout)

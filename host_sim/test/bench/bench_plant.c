@@ -84,7 +84,7 @@ static bool deviate(struct bench_plant *p, const struct test_case *c, const doub
         a->plant.model->rest(a->plant.p, x);
         plant_set_state(&a->plant, x);
     }
-    return true;
+    return scene_app_is_quiet(a, why);
 }
 
 /* Tells the readers a sample of a microscope. */
