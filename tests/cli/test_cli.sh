@@ -713,6 +713,7 @@ set -- sweep rig --sweep force.frequency=150:200:10 --settle 5000
 child=$!
 children="$children $child"
 until_true rows "$dir/shared.csv" 0
+kill -STOP $child # it holds its file however slow this shell is
 refuses 1 "shared.csv: another process writes it" "$@" --out "$dir/shared.csv"
 kill -KILL $child
 wait $child 2>/dev/null
