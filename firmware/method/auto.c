@@ -15,9 +15,10 @@
  * taylor's, with its default tolerance. Above TAYLOR_TOL_MOST it is rk4's under any drives where rk4 takes
  * the step.
  *
- * adams keeps 1e-3 at up to ADAMS_STEADY_ANGLE, across switches, too. Forces have no part in its error. A
- * base or a stiffness has, and a force that ramps or changes again within ADAMS_STEADY costs it more than
- * rk4: these are for the other two.
+ * adams keeps 1e-3 at up to ADAMS_STEADY_ANGLE, across switches, too. Forces have a part in its error by the
+ * damper alone: with three ticks a period its force, too fast to be extrapolated, adds 0.15 h damping. A base
+ * or a stiffness has one, and a force that ramps or changes again within ADAMS_STEADY costs it more than rk4:
+ * these are for the other two.
  *
  * `prepare` chooses by model, step and tolerance, so a change of parameters may change the method: state and
  * regime belong to the plant, and the tables are made anew. Between rk4, taylor and adams the choice is made
@@ -34,6 +35,7 @@ static const struct method *const candidate[CANDIDATES] = {&exact, &rk4, &taylor
 
 #define ADAMS_TOL_LEAST    1e-3
 #define ADAMS_STEADY_ANGLE 0.025          /* h omega */
+#define ADAMS_DAMPING      5.0            /* h damping, over the tolerance */
 #define ADAMS_STEADY       (32u * 65536u) /* ticks, in the unit of a segment's `instant` */
 
 /* The part of scratch memory that auto keeps for itself, ahead of that of the method that it takes. */
@@ -162,7 +164,8 @@ static void begin(const struct model *m, const double *p, double h, double tol, 
         return;
     m->hertz_form(p, &f);
     o->watches = true;
-    o->takes_adams = tol >= ADAMS_TOL_LEAST && h * o->omega <= ADAMS_STEADY_ANGLE;
+    o->takes_adams =
+        tol >= ADAMS_TOL_LEAST && h * o->omega <= ADAMS_STEADY_ANGLE && h * f.damping <= ADAMS_DAMPING * tol;
     o->choice = o->takes_adams ? ADAMS : RK4;
     o->last = 0u - (uint64_t)ADAMS_STEADY;
     for (int i = 0; i < MODEL_INPUTS; i++) {

@@ -6,6 +6,7 @@
 #include <complex.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include "firmware/method/auto.h"
 #include "firmware/plant/plant.h"
 #include "firmware/plant/plant_change.h"
@@ -151,4 +152,9 @@ TEST(tolerance_steady_forces)
     plant_sample(&pl, RIG_FORCE, 0.1, 0);
     check_serves("one in a frame", &pl, &adams);
     check_above("switches", pl.counts.switches, 2);
+    double si[MODEL_PARAMETERS];
+    memcpy(si, pl.si, sizeof si);
+    si[RIG_DAMPING] *= 10.0;
+    check_no_error("a strong damper", plant_change(&pl, si));
+    check_serves("with it", &pl, &rk4);
 }
