@@ -105,7 +105,9 @@ int levels_tell(struct fit_setup *s)
         u[k] = unknown_u(&s->unknown[k], s->unknown[k].start);
     s->noise_known = true;
     if (!find_resonance(s, &frequency, &drive))
-        return options_misuse(s->o.usage, "%s: the drive does not move the observable", s->name);
+        return options_misuse(s->o.usage, "%s: a small %s does not move %s; give another observable in [ask]",
+                              s->name, s->scene.model->input_signal[0].name,
+                              s->scene.model->output_signal[s->scene.observable].name);
     printf("%s: standard deviations from curves of %d points, %.4g to %.4g Hz, swept up, noise %g %%\n",
            s->name, POINTS, low * frequency, high * frequency, 100.0 * noise);
     printf("  %-22s", "drive");

@@ -99,8 +99,9 @@ static int add_parameter(struct fit_setup *s, const struct scene_range *r, int i
                             .max = r->key.max,
                             .start = start};
     if (!(start > 0.0))
-        return misuse(s, "%s is %g in the scene, and is fitted in logarithms; give it a start above 0",
-                      r->key.name, start);
+        return misuse(
+            s, "%s is %g in the scene, and is fitted in logarithms; give it a start above 0, or --hold %s=%g",
+            r->key.name, start, r->key.name, start);
     snprintf(k.name, sizeof k.name, "%s", r->key.name);
     k.min = fmax(k.min, least_of_start * start);
     return add_unknown(s, &k);

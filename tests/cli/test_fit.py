@@ -584,7 +584,8 @@ def test_bad_lines():
         r = fit("--sweep", "small.csv", *words)
         verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
     for words, why in ((("rig.ini",), "no data"), ((), "missing"), (("bbp-fig2-force", "--sweep", "small.csv"), "paper"), (("tapping", "--sweep", "small.csv"), "--thermal FILE and --curve"),
-                       (("shaft_bearing", "--sweep", "small.csv"), "--free"), (("rig.ini", "--sweep", "none.csv"), "none.csv"), (("rig.ini", "--sweep", "."), ".")):
+                       (("shaft_bearing", "--sweep", "small.csv"), "--free"), (("rig.ini", "--sweep", "none.csv"), "none.csv"), (("rig.ini", "--sweep", "."), "."),
+                       (("tip", "--plan"), "or --hold sign=-1"), (("shaft", "--plan", "--free", "mass1"), "small force1 does not move penetration; give another observable")):
         r = run("fit", *words)
         verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
 
