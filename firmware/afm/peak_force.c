@@ -20,6 +20,7 @@ void peak_force_init(struct peak_force *p, const struct peak_force_config *c, do
     memset(p, 0, sizeof *p);
     p->samples = peak_force_samples(c->frequency_Hz, c->sample_s);
     p->i = p->samples / 2;
+    p->each = 1 + p->samples / PEAK_FORCE_EACH;
     p->from_m = p->to_m = low_m;
     p->amplitude_m = c->amplitude_m;
     p->stiffness = c->stiffness;
@@ -97,7 +98,8 @@ static void take_near(struct peak_force *p, const struct force_point *f)
     p->work -= 0.5 * (f->force + was->force) * (f->place - was->place);
     if (was->force <= 0.0 && f->force > 0.0)
         p->zero = f->place + (was->place - f->place) * f->force / (f->force - was->force);
-    p->last[p->n_last++ % PEAK_FORCE_LAST] = *f;
+    if (p->i % p->each == 0)
+        p->last[p->n_last++ % PEAK_FORCE_LAST] = *f;
     p->lowest = f->force < p->lowest ? f->force : p->lowest;
     p->deepest = f->place < p->deepest ? f->place : p->deepest;
     if (f->force > p->peak)

@@ -34,7 +34,8 @@ enum {
     PEAK_FORCE_PERIOD_MIN = 32, /* samples in a period of the lever: fewer miss the contact resonance */
     PEAK_FORCE_STENCIL = 5,     /* readings of a difference */
     PEAK_FORCE_BAND = 128,      /* points that the fit keeps */
-    PEAK_FORCE_LAST = 64,       /* the newest points */
+    PEAK_FORCE_LAST = 64,       /* the newest points, which must reach over the pull-off: */
+    PEAK_FORCE_EACH = 3000,     /* one of n is kept from n - 1 times so many samples in a cycle on */
     PEAK_FORCE_PULLED = 32      /* points from before the pull-off */
 };
 
@@ -75,8 +76,8 @@ struct peak_force {
     struct force_point before; /* the last sample's */
     struct force_point band[PEAK_FORCE_BAND];
     uint32_t n_band, stride, skipped;
-    struct force_point last[PEAK_FORCE_LAST]; /* the newest, by number */
-    uint32_t n_last;
+    struct force_point last[PEAK_FORCE_LAST];     /* the newest, by number */
+    uint32_t n_last, each;                        /* points kept; one of so many */
     struct force_point pulled[PEAK_FORCE_PULLED]; /* in contact, before the pull-off */
     uint32_t n_pulled;
 };

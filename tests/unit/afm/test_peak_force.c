@@ -64,12 +64,15 @@ static double indentation_m(double force_N)
 }
 
 /* A settled cycle on a sample so stiff. */
-static void check_sample(double modulus_Pa, double ticks)
+static void check_sample(double modulus_Pa, double ticks, double frequency_Hz)
 {
     const struct force_cycle *c = &station.swing.cycle;
     begin();
     lever_si[LEVER_MODULUS] = modulus_Pa;
     number[STATION_TICKS] = ticks;
+    number[STATION_FREQUENCY] = frequency_Hz;
+    number[STATION_PIXEL] = 1.0 / frequency_Hz;
+    number[STATION_KI] = 0.4 * frequency_Hz;
     start_station();
     run_cycles(300);
     check_true("a modulus is found", c->fitted);
@@ -86,9 +89,10 @@ static void check_sample(double modulus_Pa, double ticks)
 
 TEST(afm_peak_force_closed_forms)
 {
-    check_sample(1e8, 2.0);
-    check_sample(1e9, 2.0);
-    check_sample(1e10, 1.0);
+    check_sample(1e8, 2.0, 2e3);
+    check_sample(1e9, 2.0, 2e3);
+    check_sample(1e10, 1.0, 2e3);
+    check_sample(1e9, 2.0, 500.0);
 }
 
 /* The indentation now, by the state of the lever. */
