@@ -134,7 +134,7 @@ static int outside(const struct compare *c, const struct decode_row *a, const st
         bool neither = isnan(x) && isnan(y);
         if (c->gaps && (is_gap(a, i) || is_gap(b, i)))
             continue;
-        if (!isnan(c->tolerance[i]) && !neither && !(fabs(x - y) <= c->tolerance[i]))
+        if (!isnan(c->limit[i].tolerance) && !neither && !(fabs(x - y) <= c->limit[i].tolerance))
             return i;
     }
     return -1;
@@ -152,8 +152,10 @@ static void tell_outside(const struct compare *c, int i, const struct decode_row
                          const struct decode_row *b, char *text)
 {
     const struct model *m = c->scene->config.model;
-    const double value[2] = {a->value[i], b->value[i]}, apart = fabs(value[0] - value[1]);
-    const char *unit = decode_signal(m, i)->unit;
+    const struct compare_limit *l = &c->limit[i];
+    const double value[2] = {a->value[i] / l->one, b->value[i] / l->one};
+    const double apart = fabs(a->value[i] - b->value[i]) / l->one;
+    const char *unit = *l->unit ? l->unit : decode_signal(m, i)->unit;
     char name[DECODE_NAME], how[COMPARE_TEXT];
     if (c->part_s)
         *c->part_s = a->t_s;
@@ -162,7 +164,7 @@ static void tell_outside(const struct compare *c, int i, const struct decode_row
         tell_alone(c, value, unit, how);
     else
         snprintf(how, sizeof how, "%.9g and %.9g %s, apart by %.3g, %.3g allowed", value[0], value[1], unit,
-                 apart, c->tolerance[i]);
+                 apart, l->tolerance / l->one);
     snprintf(text, COMPARE_TEXT, "they part at %.9g s of plant time (frame %llu): %s is %.200s", a->t_s,
              (unsigned long long)a->frame, name, how);
 }
@@ -278,9 +280,14 @@ static int read_tolerance(const struct options *o, const struct model *m, const 
         names[i] = name[i];
         if (strlen(name[i]) != length || strncmp(name[i], word, length))
             continue;
-        if (!unit_read(equal + 1, strlen(equal + 1), decode_signal(m, i)->unit, &c->tolerance[i], why))
+        struct compare_limit *l = &c->limit[i];
+        const char *text = equal + 1 + strspn(equal + 1, " \t"), *unit = decode_signal(m, i)->unit;
+        if (!isnan(l->tolerance))
+            return options_misuse(o->usage, "%s: a tolerance of this signal is given already", word);
+        if (!unit_read(text, strlen(text), unit, &l->tolerance, why))
             return options_misuse(o->usage, "%s: %s", word, why);
-        return c->tolerance[i] >= 0.0 ? 0 : options_misuse(o->usage, "%s: a tolerance is 0 or more", word);
+        l->one = unit_asked(text, strlen(text), unit, l->unit);
+        return l->tolerance >= 0.0 ? 0 : options_misuse(o->usage, "%s: a tolerance is 0 or more", word);
     }
     return options_misuse(o->usage, "%s: no such signal%s", word,
                           options_advise(word, length, names, n, NULL));
@@ -290,7 +297,7 @@ int compare_allow(struct compare *c, const struct options *o, const char *const 
 {
     int status = 0;
     for (int i = 0; i < DECODE_SIGNALS; i++)
-        c->tolerance[i] = n ? (double)NAN : 0.0;
+        c->limit[i] = (struct compare_limit){n ? (double)NAN : 0.0, 1.0, ""};
     for (int i = 0; i < n && !status; i++)
         status = read_tolerance(o, c->scene->config.model, word[i], c);
     return status;

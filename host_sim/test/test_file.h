@@ -6,6 +6,7 @@
 
 #include "host_sim/listen/decode_rows.h"
 #include "host_sim/live/action.h"
+#include "host_sim/replay/compare.h"
 #include "host_sim/scene/range.h"
 #include "host_sim/scene/scene_text.h"
 #include "host_sim/test/metric.h"
@@ -69,8 +70,8 @@ struct test_case {
     double target, band;
     double lockin_Hz; /* 0: not said */
     int golden_line;
-    char golden[TEST_VALUE];          /* a log to compare with, beside the file, or "" */
-    double tolerance[DECODE_SIGNALS]; /* NaN: not compared */
+    char golden[TEST_VALUE]; /* a log to compare with, beside the file, or "" */
+    struct compare_limit limit[DECODE_SIGNALS];
     int requirement_line, n_requirements;
     char requirement[TEST_REQUIREMENTS][TEST_NAME]; /* identifiers */
     int n_acts, n_expects;

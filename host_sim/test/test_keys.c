@@ -219,7 +219,7 @@ static bool take_golden(struct test_reader *r, struct word value)
     const struct model *m = r->test->scene.model;
     struct word path = scene_text_take_name(&value), name = scene_text_take(&value);
     for (int i = 0; i < DECODE_SIGNALS; i++)
-        c->tolerance[i] = name.n ? (double)NAN : 0.0;
+        c->limit[i] = (struct compare_limit){name.n ? (double)NAN : 0.0, 1.0, ""};
     while (name.n) {
         int i = find_logged(m, name);
         if (i < 0)
@@ -230,8 +230,13 @@ static bool take_golden(struct test_reader *r, struct word value)
         struct word next = {NULL, 0}, tolerance = {value.at, 0};
         while (value.n && (next = scene_text_take(&value)).n && find_logged(m, next) < 0)
             tolerance.n = (size_t)(next.at + next.n - tolerance.at);
-        if (!test_read_value(r, "golden", tolerance, decode_signal(m, i)->unit, 0.0, 1e12, &c->tolerance[i]))
+        struct compare_limit *l = &c->limit[i];
+        const char *unit = decode_signal(m, i)->unit;
+        if (!isnan(l->tolerance))
+            return test_wrong(r, "golden: %.*s stands twice; write it once", scene_text_shown(name), name.at);
+        if (!test_read_value(r, "golden", tolerance, unit, 0.0, 1e12, &l->tolerance))
             return false;
+        l->one = unit_asked(tolerance.at, tolerance.n, unit, l->unit);
         name = next.n && find_logged(m, next) >= 0 ? next : (struct word){NULL, 0};
     }
     c->golden_line = r->text.line;

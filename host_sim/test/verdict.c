@@ -169,7 +169,7 @@ static bool needs_commands(const struct test_case *c)
 {
     bool needs = false;
     for (int i = DECODE_OUTPUTS; i < DECODE_SIGNALS; i++)
-        needs = needs || !isnan(c->tolerance[i]);
+        needs = needs || !isnan(c->limit[i].tolerance);
     return needs;
 }
 
@@ -197,7 +197,7 @@ void verdict_compare(const struct bench_setting *s, const struct scene_app *scen
                         .zero = zero,
                         .end = frames * a->substeps,
                         .gaps = s->realtime};
-    memcpy(k.tolerance, c->tolerance, sizeof k.tolerance);
+    memcpy(k.limit, c->limit, sizeof k.limit);
     struct outcome *o = &r->outcome[r->n++];
     o->line = c->golden_line;
     o->kind = METRICS;

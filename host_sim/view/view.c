@@ -115,7 +115,7 @@ static void put_log(struct view *v, struct json *j)
     json_put(j, "],'follows':%b,'compared':%s,'part':%t", v->follows, v->course.text, v->part_s);
     json_item(j, "'allowed':[");
     for (int i = 0; i < decode_signals(m); i++)
-        json_item(j, "%n", v->course.c.tolerance[i]);
+        json_item(j, "%n", v->course.c.limit[i].tolerance);
     json_put(j, "]}");
 }
 
@@ -449,12 +449,14 @@ static bool follow(struct view_log *l)
 void view_turn(struct view *v)
 {
     double now = clock_now_s();
-    bool grown = false;
+    bool grown = false, lost = false;
     if (!v->follows || now < v->looked_s + look_every_s)
         return;
-    for (int i = 0; i < v->n_logs; i++)
+    for (int i = 0; i < v->n_logs; i++) {
         grown = (!v->log[i].lost && follow(&v->log[i])) || grown;
-    if (grown && v->n_logs == VIEW_LOGS && !v->full && !compare_more(v))
+        lost = lost || v->log[i].lost;
+    }
+    if (grown && !lost && v->n_logs == VIEW_LOGS && !v->full && !compare_more(v))
         v->log[0].lost = "out of memory";
     v->looked_s = clock_now_s();
 }

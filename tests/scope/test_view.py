@@ -273,6 +273,16 @@ def test_follow(log):
         os.replace("n.log", "g.log")
         verdict("a file that was replaced is told", until(lambda: "replaced" in v.ask("log")["logs"][0]["lost"]))
     verdict("on the terminal, too, once", v.told.count("was replaced") == 1, v.told)
+    write("g.log", "".join(lines[:half]))
+    write("h.log", "".join(lines[:half]))
+    with Viewer(program, "--open", "g.log", "--open", "h.log", "--follow") as v:
+        before = v.ask("log")["compared"]
+        write("g.log", lines[0])
+        verdict("one of two that begins anew in its place is told", until(lambda: "replaced" in v.ask("log")["logs"][0]["lost"]))
+        write("g.log", "".join(lines[:10] * half))
+        write("h.log", "".join(lines))
+        verdict("the other one goes on", until(lambda: v.ask("log")["logs"][1]["rows"] == rows))
+        equal("but nothing is compared with what is not its log", v.ask("log")["compared"], before)
 
 
 def test_requests(log):

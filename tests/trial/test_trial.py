@@ -599,9 +599,13 @@ def test_decoded():
     verdict("compare: a log with itself", r.returncode == 0 and "400 rows agree" in r.stdout, r.stdout + r.stderr)
     r = run("compare", "t.a.log", "t.b.log", "--model", "loss.ini")
     verdict("compare: they part where the mass changes", r.returncode == 1 and "they part at 0.201 s" in r.stdout, r.stdout + r.stderr)
+    told = [re.search(r"is (\S+) and (\S+) (\S+), apart by (\S+), (\S+) allowed", run("compare", "t.a.log", "t.b.log", "velocity=1 " + unit, "--model", "loss.ini").stdout) for unit in ("pm/s", "fm/s")]
+    verdict("compare: an answer has the unit of its question", all(told) and [t[3] for t in told] == ["pm/s", "fm/s"] and told[0][5] == told[1][5] == "1" and
+            all(abs(float(told[1][k]) / float(told[0][k]) - 1000.0) < 1e-6 for k in (1, 2, 4)), told)
     r = run("compare", "t.a.log", "t.b.log", "penetration=1 mm", "--model", "loss.ini")
     verdict("compare: not by a millimetre", r.returncode == 0, r.stdout + r.stderr)
     for words, status, what in ((("compare", "t.a.log", "t.b.log", "penetratoin=1 um"), 2, "did you mean penetration?"), (("decode", "none.log"), 1, "none.log"),
+                                (("compare", "t.a.log", "t.b.log", "penetration=1 um", "penetration=1 m"), 2, "is given already"),
                                 (("compare", "t.a.log", "t.b.log", "penetration=1 N"), 2, "does not fit"), (("decode", "t.a.log", "--base-id", "0x240"), 1, "--base-id"),
                                 (("decode", "loss.ini"), 1, "loss.ini: no line of it is one of candump -L"), (("decode", "t.a.log", "--out", "/dev/full"), 1, "make room")):
         r = run(*words)
@@ -621,7 +625,9 @@ def test_golden():
     r = golden("penetration 10 um command_fast_force 100 N", "at 0.2 s set mass=6.6 kg\n")
     verdict("golden: within tolerances", r.returncode == 0, r.stdout + r.stderr)
     r = golden("penetration 1 pm", "at 0.2 s set mass=6.6 kg\n")
-    verdict("golden: and not within them", r.returncode == 1 and "penetration is" in r.stdout and "1e-12 allowed" in r.stdout, r.stdout)
+    verdict("golden: and not within them", r.returncode == 1 and "penetration is" in r.stdout and " pm, apart by " in r.stdout and " 1 allowed" in r.stdout, r.stdout)
+    r = golden("penetration 1 pm penetration 1 m")
+    verdict("golden: a signal twice", r.returncode == 2 and "penetration stands twice" in r.stderr, r.stderr)
     r = test(file_of("none", case.replace("0.4 s", "0.5 s") + "golden = golden/t.a.log penetration 0 m\n"))
     verdict("golden: a log that is too short", r.returncode == 1 and "golden/t.a.log ends first, after 400 rows" in r.stdout, r.stdout)
     r = golden("", scene="hertz_rig_linear")
