@@ -8,7 +8,13 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { CALLS = 64, TICKS = 256, SAVED = 200000, TALKS = 250 /* a first byte from here on: a client */ };
+enum {
+    CALLS = 64,
+    TICKS = 256,
+    SAMPLES = 6,
+    SAVED = 200000,
+    TALKS = 250 /* a first byte from here on: a client */
+};
 
 struct input {
     const uint8_t *at;
@@ -55,6 +61,23 @@ static struct contactplant *begin(struct input *in, bool *on_bus)
     return p;
 }
 
+/* Samples told ahead; where they are taken, told one by one they end in the same bits. */
+static int run_samples(struct contactplant *p, int i, const double value[SAMPLES], uint64_t ticks)
+{
+    size_t size = contactplant_save_size(p);
+    MUST(size <= sizeof saved && contactplant_save(p, saved, size) == CONTACTPLANT_OK);
+    int code = contactplant_advance_samples(p, i, value, SAMPLES, ticks);
+    uint64_t hash = contactplant_hash(p);
+    if (code != CONTACTPLANT_OK)
+        return code;
+    MUST(contactplant_restore(p, saved, size) == CONTACTPLANT_OK);
+    for (int k = 0; k < SAMPLES; k++)
+        MUST(contactplant_set_sample(p, i, value[k], 0) == CONTACTPLANT_OK &&
+             contactplant_advance(p, ticks) == CONTACTPLANT_OK);
+    MUST(contactplant_hash(p) == hash);
+    return code;
+}
+
 static int change(struct contactplant *p, struct input *in, uint8_t call)
 {
     int i = (int)byte_of(in) - 2;
@@ -78,7 +101,8 @@ static int change(struct contactplant *p, struct input *in, uint8_t call)
     case 5:
         return contactplant_silence(p, a);
     case 6:
-        return contactplant_advance(p, byte_of(in) % TICKS);
+        return b == 0.0 ? contactplant_advance(p, byte_of(in) % TICKS)
+                        : run_samples(p, i, state, byte_of(in));
     case 7:
         a = contactplant_time(p) + fmin(a, 1.0) * TICKS * contactplant_tick_time(p);
         return contactplant_advance_to(p, a);
