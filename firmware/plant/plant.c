@@ -509,6 +509,8 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
         b->phasor[0][i] = (struct phasor){pl->drive[i].cosine, pl->drive[i].sine};
         for (uint32_t k = 1; k <= 2 * filled && !((q->turning >> i) & 1u); k++)
             b->at[k][i] = e->at[2][i];
+        for (uint32_t k = 1; k <= filled && (((e->active & ~q->turning) >> i) & 1u); k++)
+            b->phasor[k][i] = b->phasor[0][i];
     }
     return n;
 }

@@ -81,7 +81,7 @@ static void set_stages(struct plant *pl, int i, double a, double b)
 static void command(struct plant *pl, uint32_t kind, int i, double a, double b)
 {
     double unit = scale_of(&pl->scale, pl->model->input_signal[i].quantity),
-           hz = (0.002 + 0.05 * b) / pl->tick_s;
+           hz = b < 0.2 ? 0.0 : (0.002 + 0.05 * b) / pl->tick_s;
     double si[MODEL_PARAMETERS], x[MODEL_STATES];
     switch (kind) {
     case 0:
