@@ -14,6 +14,7 @@
 #include "host_sim/merge/merge_junit.h"
 #include "host_sim/merge/merge_map.h"
 #include "host_sim/out/json.h"
+#include "host_sim/out/utf8.h"
 #include "host_sim/out/xml.h"
 
 static const struct usage merge_usage = {
@@ -75,6 +76,8 @@ static int know(const struct merge *m, struct part *p, struct lines *l)
         return options_misuse(m->o->usage, "%s: %s", p->path,
                               errno ? strerror(errno)
                                     : "it is empty, as of a share that has not begun; leave it out");
+    if (utf8_mark(l->text, strlen(l->text)) || lines_ends(l, "\r\n"))
+        return options_misuse(m->o->usage, "%s: an editor has changed it; compute it again", p->path);
     p->kind = lines_begins(l, XML_HEAD) ? PART_JUNIT : lines_begins(l, "{") ? PART_JSON : PART_MAP;
     if (p->kind == PART_JUNIT && !lines_next(l))
         return options_misuse(m->o->usage, "%s: %s", p->path, why);

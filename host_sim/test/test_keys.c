@@ -26,6 +26,8 @@ struct key {
     bool (*take)(struct test_reader *r, struct word value);
 };
 
+static const char given_twice[] = "%.*s: it stands in this section already; keep one";
+
 static bool add_set(struct test_reader *r, struct test_plant *p, struct word name, struct word value)
 {
     struct action_set set = {0, 0.0};
@@ -36,6 +38,9 @@ static bool add_set(struct test_reader *r, struct test_plant *p, struct word nam
         i++;
     if (i == TEST_SETS)
         return test_wrong(r, "more than %d parameters and settings", TEST_SETS);
+    if (r->set_given[i])
+        return test_wrong(r, given_twice, scene_text_shown(name), name.at);
+    r->set_given[i] = true;
     p->set[i] = set;
     p->n += i == p->n;
     return true;
@@ -358,7 +363,7 @@ bool test_read_key(struct test_reader *r, struct word w)
         if (!scene_text_is(key, keys[i].name) || !(keys[i].sections >> r->section & 1u))
             continue;
         if (r->given[i])
-            return test_wrong(r, "%s: it stands in this section already; keep one", keys[i].name);
+            return test_wrong(r, given_twice, scene_text_shown(key), key.at);
         bool taken = keys[i].take(r, value);
         r->given[i] = true;
         return taken;

@@ -97,6 +97,7 @@ static bool take_header(struct test_reader *r, struct word w)
     if (!check_case(r))
         return false;
     memset(r->given, 0, sizeof r->given);
+    memset(r->set_given, 0, sizeof r->set_given);
     if (scene_text_is(name, "case"))
         return begin_case(r, scene_text_name(rest));
     int i = scene_text_is(name, "plant")        ? TEST_IN_PLANT

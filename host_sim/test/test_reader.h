@@ -13,7 +13,8 @@ struct test_reader {
     bool (*load)(const char *file, const char *name, struct scene *s, char *why);
     struct test_case *now; /* NULL before the first case */
     enum test_section section;
-    bool given[TEST_KEYS]; /* keys of this section */
+    bool given[TEST_KEYS];     /* keys of this section */
+    bool set_given[TEST_SETS]; /* and its parameters and settings */
 };
 
 /* One line into why: this line of the file, and the message. Always false. */

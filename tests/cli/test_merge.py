@@ -145,6 +145,8 @@ def strangers():
     refused("of an earlier version", "l1.csv", "before.csv", told="before.csv: rows that do not tell their share")
     refused("a changed row", "changed.csv", "l1.csv", told=r"changed.csv:\d+: a row was changed or lost here, or before; remove the file and compute this share again")
     refused("a lost row", "fewer.csv", told=r"fewer.csv:\d+: a row was changed or lost")
+    write("mark.csv", "\uFEFF" + read("l2.csv").decode())
+    write("ends.csv", read("l2.csv").decode().replace("\n", "\r\n"))
     write("none.csv", rows[0] + "# complete: 0 rows\n")
     run("sweep", *MAPS["sweep"], "--shard", "2/2", "--out", "curves.csv")
     curves = read("curves.csv").decode().splitlines(True)
@@ -152,7 +154,7 @@ def strangers():
     refused("a last row lost", "shorter.csv", told=r"shorter.csv:\d+: a row was changed or lost")
     refused("a job without its row", "none.csv", told=r"none.csv:\d+: a row was changed or lost")
     refused("a row behind the end", "more.csv", told=r"more.csv:\d+: a row was changed or lost")
-    for name, told in (("empty", "it is empty"), ("begun.csv", "its first line is cut"), ("binary", "no map of shares"), ("nosuch", "No such file"), (".", "Is a directory")):
+    for name, told in (("empty", "it is empty"), ("begun.csv", "its first line is cut"), ("binary", "no map of shares"), ("mark.csv", "an editor has changed it"), ("ends.csv", "an editor has changed it"), ("nosuch", "No such file"), (".", "Is a directory")):
         refused(name, "l1.csv", name, told=told)
     equal("no part", (run("merge", "kept").returncode, run("merge").returncode), (2, 2))
     before = read("l1.csv")

@@ -78,7 +78,8 @@ def refusals():
     for text, wanted in (("requirement = HIL 17", 't.test:6: requirement: "HIL 17": write ID, ID'), ("requirement = A,,B", 'requirement: "": write ID, ID'),
                          ("requirement = A,", "an ID is missing behind the last comma"), ("requirement = A, A", "A stands twice"),
                          ("requirement = " + ", ".join("A%d" % i for i in range(17)), "more than 16"), ("requirement = " + "A" * 48, "at most 47"),
-                         ("requirement = A\nrequirement = B", "it stands in this section already"), ("requirement = PRÜF-8", "PRÜF-8 is not in ../list.csv; did you mean PRÜF-18?")):
+                         ("requirement = A\nrequirement = B", "it stands in this section already"), ("mass = 5 kg\nmass = 6 kg", "t.test:7: mass: it stands in this section already"),
+                         ("requirement = PRÜF-8", "PRÜF-8 is not in ../list.csv; did you mean PRÜF-18?")):
         write("m/t.test", HEAD + "[case a]\n" + text + "\nover = 0.1 s\nexpect faults == 0\n")
         r = subprocess.run([program, "test", "t.test", "--requirements", "../list.csv", "--junit", "j.xml"], capture_output=True, text=True, cwd="m")
         equal("%.40s" % text.replace("\n", " "), (r.returncode, r.stderr.count("\n"), wanted in r.stderr, os.path.exists("m/j.xml")), (2, 1, True, False))
