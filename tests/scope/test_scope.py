@@ -183,7 +183,7 @@ def compare_rows(browser, name):
 
 def begin_ten_seconds():
     print("--- ten seconds with five browsers, one slow, one torn away: they begin", flush=True)
-    p = plant(0, "--scope", "--http", at(9), "--log", path("ten.log"), "--duration", "30", *PATIENT)
+    p = plant(0, "--scope", "--http", at(9), "--log", path("ten.log"), "--duration", "300", *PATIENT)
     browsers = [Browser(port + 9) for _ in range(5)]
     equal("the stream's status and type", (browsers[0].head or until(lambda: browsers[0].head) and browsers[0].head).split(b"\r\n")[:2],
           [b"HTTP/1.1 200 OK", b"Content-Type: text/event-stream"])
