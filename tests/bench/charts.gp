@@ -5,10 +5,10 @@
 if (!exists("csv")) csv = "build/bench/front.csv"
 if (!exists("out")) out = "docs/img"
 
-array solver[13] = ["taylor", "exact", "rk4", "auto", "taylor plant", "exact plant", "auto plant", "GSL rk8pd", \
+array solver[13] = ["taylor", "exact", "rk4", "adams", "taylor plant", "exact plant", "adams plant", "GSL rk8pd", \
                     "odeint dopri5", "odeint rkf78", "odeint rk4", "CVODE", "naive RK4 loop"]
-array label[13] = ["taylor", "exact", "rk4", "auto", "taylor, whole plant tick", "exact, whole plant tick", \
-                   "auto, whole plant tick", "GSL rk8pd", "odeint dopri5", "odeint rkf78", "odeint rk4", \
+array label[13] = ["taylor", "exact", "rk4", "adams", "taylor, whole plant tick", "exact, whole plant tick", \
+                   "adams, whole plant tick", "GSL rk8pd", "odeint dopri5", "odeint rkf78", "odeint rk4", \
                    "SUNDIALS CVODE", "naive RK4 loop"]
 # Ours: thick, the plant around them dashed. Peers: thin.
 set style line 1 lc rgb "#d62728" lw 2.6 pt 7 ps 0.35

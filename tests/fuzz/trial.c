@@ -37,7 +37,7 @@ static void check_case(const struct test_file *t, const struct test_case *c)
              (e->what.signal >= 0 && e->what.signal < metric_signals(m)));
     }
     for (int i = 0; i < DECODE_SIGNALS && *c->golden; i++)
-        MUST(isnan(c->tolerance[i]) || c->tolerance[i] >= 0.0);
+        MUST(isnan(c->limit[i].tolerance) || (c->limit[i].tolerance >= 0.0 && c->limit[i].one > 0.0));
     for (int i = 0; i < c->n_acts; i++) {
         MUST(c->act[i].at_s >= 0.0 && c->act[i].at_s < c->over_s);
         MUST(i == 0 || c->act[i - 1].at_s <= c->act[i].at_s);
