@@ -84,7 +84,7 @@ static int odd_byte(const char *text, size_t n)
     while (at < end) {
         const char *begin = at;
         unsigned char first = (unsigned char)*at;
-        bool blank = first == '\t' || (first == '\r' && at + 1 == line + n);
+        bool blank = first == '\t' || (first == '\r' && (size_t)(at + 1 - line) == n);
         struct utf8_character c = first ? utf8_next(&at) : (struct utf8_character){.code = 0};
         if (!blank && (c.code < ' ' || (c.code > '~' && c.code < 0xA0) || c.bytes != begin))
             return first ? first : 256;
