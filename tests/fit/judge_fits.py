@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """judge_fits.py PROGRAM RIG_CURVES SEEDS RIGS SHAFTS [OTHER_PROGRAM] - contactplant fit against rigs of another integrator. The intervals of SEEDS
 noises hold the true numbers as often as they say. RIGS random rigs and SHAFTS random shafts, from starts off by up to two, are right or refused, never
-wrong and quiet. What OTHER_PROGRAM, of another compiler, writes is equal. Prints `ok` and `FAIL` lines and `N passed, N failed`."""
+wrong and quiet; `30` are the seeds 0 to 29, `11-20` those. What OTHER_PROGRAM, of another compiler, writes is equal. Prints a line for each rig and shaft
+as its fit ends, `ok` and `FAIL` lines and `N passed, N failed`."""
 import math
 import os
 import random
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -15,7 +17,7 @@ sys.path.insert(0, os.path.join(here, "../house"))
 from verdicts import check, conclude  # noqa: E402
 
 program, curves = (os.path.abspath(p) for p in sys.argv[1:3])
-seeds, rigs, shafts = map(int, sys.argv[3:6])
+seeds = int(sys.argv[3])
 directory = tempfile.mkdtemp(prefix="contactplant-fits-")
 RIG = {"mass": "kg", "stiffness": "N/m^1.5", "preload": "N", "damping": "N s/m"}
 SHAFT = {"mass1": "kg", "mass2": "kg", "mass3": "kg", "damping1": "N s/m", "damping2": "N s/m", "damping3": "N s/m", "support1": "N/m", "support3": "N/m", "flexure": "N m/rad",
@@ -23,6 +25,7 @@ SHAFT = {"mass1": "kg", "mass2": "kg", "mass3": "kg", "damping1": "N s/m", "damp
 UNKNOWN = ("support1", "support3", "gap1", "gap3", "gap_stiffness1", "gap_stiffness3")
 PREFIX = {"m": 1e-3, "k": 1e3, "M": 1e6, "u": 1e-6, "n": 1e-9}
 POINTS = 36
+PROCESSOR_SECONDS = 900  # of one fit: ten times what the slowest took
 
 
 def scene(name, numbers, units=RIG, head="model = hertz_rig"):
@@ -39,8 +42,18 @@ def measure(name, rig, force, low, high, direction, noise, seed, *, first=(), po
     return [[float(x) for x in line.split(",")] for line in text.splitlines() if line[0].isdigit()]
 
 
+def processor_seconds():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def fit(*words, by=program):
-    return subprocess.run([by, "fit", *words], capture_output=True, text=True, cwd=directory, timeout=300)
+    """The finished process; `seconds` of processor time it took. One that takes too many ends with SIGXCPU."""
+    before = processor_seconds()
+    done = subprocess.run([by, "fit", *words], capture_output=True, text=True, cwd=directory,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS + 1)))
+    done.seconds = processor_seconds() - before
+    return done
 
 
 def fitted(name, units):
@@ -128,18 +141,34 @@ def fit_shaft(seed):
     return r, errors("f.ini", shaft, r.stdout, SHAFT, UNKNOWN)
 
 
-def judge_random(what, n, one, least):
-    right, refused, wrong = 0, [], []
-    for seed in range(n):
-        r, off = one(seed)
-        if r.returncode:
-            refused.append("%d: %s" % (seed, r.stderr.splitlines()[0][:120]))
-        elif max(map(abs, off)) < 5:
-            right += 1
-        else:
-            wrong.append("%d: %.1f deviations" % (seed, max(map(abs, off))))
-    check("%d random %s, starts off by up to two: none wrong and quiet" % (n, what), not wrong, "; ".join(wrong))
-    check("  at least %.0f %% right" % (100 * least), right >= least * n, "%d; refused: %s" % (right, "; ".join(refused) or "none"))
+def judge_one(seed, one):
+    """right, refused or wrong, and what tells it."""
+    r, off = one(seed)
+    chi2 = re.search(r"^chi\^2 per number (\S+),", r.stdout, re.M)
+    told = "%d: chi^2 per number %s, %.0f s of processor time" % (seed, chi2[1] if chi2 else "none", r.seconds)
+    if r.returncode not in (0, 1):
+        return "wrong", "%s; ended with %d" % (told, r.returncode)
+    if r.returncode:
+        return "refused", "%s; %s" % (told, r.stderr.splitlines()[0][:120])
+    largest = max(map(abs, off))
+    return "right" if largest < 5 else "wrong", "%s; largest error %.1f deviations" % (told, largest)
+
+
+def judge_random(what, seeds, one, least):
+    found = {"right": [], "refused": [], "wrong": []}
+    for seed in seeds:
+        verdict, told = judge_one(seed, one)
+        found[verdict].append(told)
+        print("      %s %s, %s" % (what, told, verdict))
+    check("%d random %ss, starts off by up to two: none wrong and quiet" % (len(seeds), what), not found["wrong"], "; ".join(found["wrong"]))
+    check("  at least %.0f %% right" % (100 * least), len(found["right"]) >= least * len(seeds),
+          "%d; refused: %s" % (len(found["right"]), "; ".join(found["refused"]) or "none"))
+
+
+def seeds_of(word):
+    """`30`: 0 to 29; `11-20`: those."""
+    first, last = map(int, word.split("-")) if "-" in word else (0, int(word) - 1)
+    return range(first, last + 1)
 
 
 def judge_bytes(other):
@@ -151,9 +180,9 @@ def judge_bytes(other):
 
 if seeds:
     judge_intervals()
-for what, n, one, least in (("rigs", rigs, fit_rig, 0.95), ("shafts", shafts, fit_shaft, 0.8)):
-    if n:
-        judge_random(what, n, one, least)
+for what, word, one, least in (("rig", sys.argv[4], fit_rig, 0.95), ("shaft", sys.argv[5], fit_shaft, 0.8)):
+    if seeds_of(word):
+        judge_random(what, seeds_of(word), one, least)
 if len(sys.argv) > 6:
     judge_bytes(sys.argv[6])
 subprocess.run(["rm", "-rf", directory])
