@@ -246,9 +246,9 @@ static int draw_demo(struct afm_demo *d, const char *directory)
     draw_images(d);
     const char *why = chart_end(&d->chart, f);
     bad = !files_finish(f, !why) || bad;
-    return why || bad
-               ? options_failure(d->bench.usage, "afm.svg is not complete: %s", why ? why : strerror(errno))
-               : 0;
+    return why || bad ? options_failure(d->bench.usage, "afm.svg is not complete: %s",
+                                        why ? why : files_unwritten(errno))
+                      : 0;
 }
 
 static void report_demo(const struct afm_demo *d, const char *directory)

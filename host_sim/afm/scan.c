@@ -211,7 +211,8 @@ void scan_verdict(const struct afm_bench *b, const struct scan_image *m, char te
 
 static int finish(struct afm_bench *b, FILE *f, const char *name)
 {
-    return files_finish(f, true) ? 0 : options_failure(b->usage, "image %s: %s", name, strerror(errno));
+    return files_finish(f, true) ? 0
+                                 : options_failure(b->usage, "image %s: %s", name, files_unwritten(errno));
 }
 
 /* The name of a file of this channel, without what tells its kind. */

@@ -181,7 +181,7 @@ int scan_part_write(struct scan_part *p, const struct afm_bench *b, const struct
     p->kept_s = clock_now_s();
     return good && rename(next, p->path) == 0
                ? 0
-               : options_failure(b->usage, "cannot keep the scan in %s: %s", p->path, strerror(errno));
+               : options_failure(b->usage, "cannot keep the scan in %s: %s", p->path, files_unwritten(errno));
 }
 
 void scan_part_end(struct scan_part *p)

@@ -75,7 +75,8 @@ int volume_open(struct volume *v, struct afm_bench *b)
 
 static int finish(const struct volume *v, FILE *f)
 {
-    return files_finish(f, true) ? 0 : options_failure(v->bench->usage, "a curve: %s", strerror(errno));
+    return files_finish(f, true) ? 0
+                                 : options_failure(v->bench->usage, "a curve: %s", files_unwritten(errno));
 }
 
 static int write_curve(const struct volume *v)

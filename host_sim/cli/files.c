@@ -378,10 +378,25 @@ static bool finish_composed(struct composed *c, bool good)
     return good;
 }
 
-/* Why a write failed whose errno is lost: the next one fails for the same reason. */
-static int find_cause(FILE *f)
+int files_find_cause(FILE *f)
 {
     return write(fileno(f), "\n", 1) < 0 ? errno : EIO;
+}
+
+const char *files_unwritten(int error)
+{
+    switch (error) {
+    case ENOSPC:
+        return "No space left on device; make room and run again";
+    case EDQUOT:
+        return "Disk quota exceeded; make room and run again";
+    case EFBIG:
+        return "File too large; raise the limit (ulimit -f), or choose another file system";
+    case EBADF:
+        return "it is closed; leave out >&- and run again";
+    default:
+        return strerror(error);
+    }
 }
 
 bool files_finish(FILE *f, bool good)
@@ -392,7 +407,7 @@ bool files_finish(FILE *f, bool good)
         if (composed[i].f == f)
             return finish_composed(&composed[i], good);
     bool failed = ferror(f) != 0, unwritten = fflush(f) != 0;
-    int error = unwritten ? errno : failed ? find_cause(f) : 0;
+    int error = unwritten ? errno : failed ? files_find_cause(f) : 0;
     if (fclose(f) && !unwritten && !failed) {
         unwritten = true;
         error = errno;

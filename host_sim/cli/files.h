@@ -54,4 +54,10 @@ int files_make_temporary(char *path, size_t size);
  * so that what was composed is to be written. True when the file is complete; else errno says why not. */
 bool files_finish(FILE *f, bool good);
 
+/* Why a write to f failed whose errno is lost: the next one fails for the same reason. */
+int files_find_cause(FILE *f);
+
+/* The errno of a write that failed, in words, and what to do about it. */
+const char *files_unwritten(int error);
+
 #endif

@@ -55,10 +55,12 @@ bool options_reader_left(void)
 
 int options_finish(const char *name, int status)
 {
-    bool unwritten = fflush(stdout) != 0;
-    if (!(unwritten || ferror(stdout)) || options_reader_left())
+    bool failed = ferror(stdout) != 0, unwritten = fflush(stdout) != 0;
+    int error = errno;
+    if (!(unwritten || failed) || options_reader_left())
         return status;
-    fprintf(stderr, "contactplant %s: cannot write the output; make room and run again\n", name);
+    error = unwritten ? error : files_find_cause(stdout);
+    fprintf(stderr, "contactplant %s: cannot write the output: %s\n", name, files_unwritten(error));
     return status ? status : STATUS_FAILED;
 }
 
@@ -331,8 +333,8 @@ int options_close(const struct options *o, const char *name, FILE *f, const char
 {
     bool complete = files_finish(f, !why);
     return complete ? 0
-                    : options_failure(o->usage, "--%s is not complete: %s; make room and run again", name,
-                                      why ? why : strerror(errno));
+                    : options_failure(o->usage, "--%s is not complete: %s", name,
+                                      why ? why : files_unwritten(errno));
 }
 
 FILE *options_summary(const struct options *o)

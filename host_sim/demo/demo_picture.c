@@ -184,7 +184,7 @@ bool demo_write_picture(const struct demo_record *r, const char *path, char *why
         p->record = r;
         reason = draw(p, f);
         if (!files_finish(f, !reason) && !reason)
-            reason = strerror(errno);
+            reason = files_unwritten(errno);
     }
     if (reason)
         snprintf(why, DEMO_REASON, "cannot write %s: %s", path, reason);

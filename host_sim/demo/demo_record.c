@@ -181,6 +181,6 @@ bool demo_write_csv(const struct demo_record *r, const char *path, char *why)
     fputc('\n', f);
     bool good = files_finish(f, true);
     if (!good)
-        snprintf(why, DEMO_REASON, "%s could not be written completely: %s", path, strerror(errno));
+        snprintf(why, DEMO_REASON, "%s could not be written completely: %s", path, files_unwritten(errno));
     return good;
 }

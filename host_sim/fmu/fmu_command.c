@@ -83,7 +83,7 @@ static int add_part(struct zip *z, const char *folder, const char *name)
         status = options_failure(&fmu_usage, "cannot read %s/%s: %s; install again", folder, name,
                                  strerror(errno));
     else if (!good)
-        status = options_failure(&fmu_usage, "cannot write %s; make room and run again", name);
+        status = options_failure(&fmu_usage, "no memory for %s", name);
     free(b.at);
     return status;
 }
@@ -159,7 +159,7 @@ static int write_zip(FILE *f, const struct subject *s, const char *folder, char 
     int status = good ? add_parts(&z, folder, list) : STATUS_FAILED;
     if (status == STATUS_DONE)
         good = zip_end(&z);
-    return good ? status : options_failure(&fmu_usage, "cannot write the FMU; make room and run again");
+    return good ? status : options_failure(&fmu_usage, "no memory for the FMU");
 }
 
 static int write_fmu(const struct options *o, const struct subject *s, const char *folder, char *list)

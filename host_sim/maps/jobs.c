@@ -429,7 +429,7 @@ int jobs_run(const struct jobs *j)
     }
     bool unwritten = b.path && b.out && !files_finish(b.out, true);
     if (status == STATUS_DONE && unwritten)
-        status = options_failure(j->options->usage, "%s: %s; make room, and give the same command", b.path,
-                                 strerror(errno));
+        status = options_failure(j->options->usage, "%s: %s; then give the same command", b.path,
+                                 files_unwritten(errno));
     return status;
 }

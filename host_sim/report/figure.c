@@ -293,7 +293,7 @@ static int end_picture(struct figure *g, const struct options *o)
     if (f)
         why = chart_end(&g->chart, f);
     if (!f || (!files_finish(f, !why && !g->why) && !why))
-        why = strerror(errno);
+        why = files_unwritten(errno);
     return why || g->why ? fail(o, "svg", g->why ? g->why : why) : 0;
 }
 

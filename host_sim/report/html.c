@@ -289,5 +289,5 @@ const char *html_end(struct html *h)
     put_file(h->f, PAGE_DRAW);
     put_file(h->f, PAGE_REPORT);
     fputs("</script>\n</body>\n</html>\n", h->f);
-    return files_finish(h->f, true) ? NULL : strerror(errno);
+    return files_finish(h->f, true) ? NULL : files_unwritten(errno);
 }

@@ -224,6 +224,6 @@ int simulate_report_end(struct simulation *r, int status)
     free(p);
     r->report = NULL;
     if (why && !status)
-        return options_failure(r->o->usage, "--report is not complete: %s; make room and run again", why);
+        return options_failure(r->o->usage, "--report is not complete: %s", why);
     return status;
 }

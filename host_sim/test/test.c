@@ -420,7 +420,7 @@ static bool write_report(const struct tests *t, const char *option,
     const struct report r = {t->report, t->n_reports, &t->untraced, t->share, t->whole};
     bool written = !path || write(path, &r);
     if (!written)
-        options_failure(t->o->usage, "--%s %s cannot be written: %s", option, path, strerror(errno));
+        options_failure(t->o->usage, "--%s %s cannot be written: %s", option, path, files_unwritten(errno));
     return written;
 }
 

@@ -429,7 +429,7 @@ printed() {
     is "and nothing on stderr" "$(grep -vc "warning: " "$dir/err")" 0
     "$program" "$@" >/dev/full 2>"$dir/err"
     is "$1 onto a full disk, status" $? 1
-    has "and it is told" "$dir/err" "cannot write the output; make room and run again"
+    has "and it is told" "$dir/err" "cannot write the output: No space left on device; make room and run again"
 }
 printed --help
 printed list --help
@@ -450,6 +450,15 @@ printed random nayak-random --seeds 4 --over 150
     echo $? >"$dir/status"
 } | head -n 1 >"$dir/out"
 is "a run of 9e7 rows ends with its reader, status" "$(cat "$dir/status")" 0
+(
+    ulimit -f 1
+    "$program" simulate --set xi=0 --until 100 >"$dir/limited.csv" 2>"$dir/err"
+)
+is "an output beyond the limit of a file's size, status" $? 1
+has "and it is told" "$dir/err" "cannot write the output: File too large; raise the limit (ulimit -f)"
+"$program" list >&- 2>"$dir/err"
+is "an output that is closed, status" $? 1
+has "and it is told" "$dir/err" "cannot write the output: it is closed"
 "$program" simulate --set xi=0 --state 2,0 --until 100 --events "$dir/pipe.csv" 2>"$dir/err" | :
 "$program" simulate --set xi=0 --state 2,0 --until 100 --events "$dir/whole_events.csv" >"$dir/out" 2>"$dir/err"
 cmp -s "$dir/pipe.csv" "$dir/whole_events.csv"

@@ -184,11 +184,9 @@ void controller_end(struct controller *c, struct bench_result *r)
     snprintf(left, sizeof left, "%d", n);
     if (n && r->verdict != VERDICT_ERROR)
         controller_fail(r, "the controller left %s processes behind, which were ended%s", left, "");
-    bool bad = c->output && ferror(c->output);
-    errno = 0;
-    if (c->output && (fclose(c->output) || bad) && r->verdict != VERDICT_ERROR)
-        controller_fail(r, "--log: cannot write what the controller printed%s%s", errno ? ": " : "",
-                        errno ? strerror(errno) : "");
+    if (c->output && !files_finish(c->output, true) && r->verdict != VERDICT_ERROR)
+        controller_fail(r, "--log: cannot write what the controller printed: %s%s", files_unwritten(errno),
+                        "");
     c->output = NULL;
 }
 

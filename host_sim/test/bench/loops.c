@@ -129,8 +129,8 @@ void loops_run(const struct bench_setting *s, struct bench_result *r)
     bench_plant_frame(&b.plant, &none);
     r->plant_s = plant_time(&a->plant);
     bench_plant_judge(&b.plant, c, r);
-    if (b.log && fclose(b.log) != 0)
-        (void)controller_fail(r, "--log: %s%s", strerror(errno), "");
+    if (b.log && !files_finish(b.log, true))
+        (void)controller_fail(r, "--log: %s%s", files_unwritten(errno), "");
     bench_plant_close(&b.plant);
     r->took_s = clock_now_s() - begin_s;
 }
