@@ -249,19 +249,51 @@ static step_function *bind(const struct model *m)
     return step;
 }
 
+/* Drives that jumped before some of n ticks of a block; where drives jump all the time in the same way, the
+ * choice stays. */
+static void note_jumps(struct own *o, const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                       uint32_t n)
+{
+    uint32_t from = (uint32_t)(at - b->at) / 2;
+    if (!o->takes_adams || (b->active & o->moving) != 0)
+        return;
+    for (uint32_t k = from; k < from + n; k++)
+        if ((b->jumps >> k) & 1u)
+            o->last = b->instant + k * UINT64_C(65536);
+}
+
+#if TICK_LANES > 1
+static uint32_t run_rk4(const struct model *m, const double *p, double *scratch, const struct method_block *b,
+                        const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
+{
+    uint32_t done = rk4.bind_run(m, NULL)(m, p, NULL, b, at, x, n);
+    if (b->jumps)
+        note_jumps((struct own *)(void *)scratch, b, at, done);
+    return done;
+}
+#endif
+
 static uint32_t run_adams(const struct model *m, const double *p, double *scratch,
                           const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
                           double (*x)[MODEL_STATES], uint32_t n)
 {
-    return adams.bind_run(m, NULL)(m, p, &scratch[METHOD_AUTO_SCRATCH], b, at, x, n);
+    uint32_t done = adams.bind_run(m, NULL)(m, p, &scratch[METHOD_AUTO_SCRATCH], b, at, x, n);
+    if (b->jumps)
+        note_jumps((struct own *)(void *)scratch, b, at, done);
+    return done;
 }
 
 /* rk4 reads no scratch memory; the others have none. */
 static run_function *bind_run(const struct model *m, const double *scratch)
 {
-    if (auto_now(scratch) == &adams)
+    const struct own *o = (const struct own *)(const void *)scratch;
+    if (o->choice == ADAMS)
         return run_adams;
-    return auto_now(scratch) == &rk4 ? rk4.bind_run(m, NULL) : NULL;
+#if TICK_LANES > 1
+    if (o->choice == RK4 && o->takes_adams)
+        return run_rk4;
+#endif
+    return o->choice == RK4 ? rk4.bind_run(m, NULL) : NULL;
 }
 
 static const struct method_books *books(const double *scratch)

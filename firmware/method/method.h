@@ -74,9 +74,10 @@ struct phasor {
     double cosine, sine;
 };
 
-/* Quiet ticks, one after the other: inputs that only run on, and no command between two of them. Tick k goes
- * from x[k] to x[k + 1], with its inputs at[2 k] at its begin, at[2 k + 1] in its middle and at[2 k + 2] at
- * its end. */
+/* Quiet ticks, one after the other: inputs that only run on, or that are held and jump between two ticks; no
+ * other command. Tick k goes from x[k] to x[k + 1], with its inputs at[2 k] at its begin, at[2 k + 1] in its
+ * middle and at[2 k + 2] at its end. Where any tick of a block has a jump before it, all inputs hold in each
+ * tick: its begin has the inputs of its middle. */
 #if TICK_LANES > 1
 enum {
     BLOCK_TICKS = 8,   /* a multiple of the next */
@@ -89,9 +90,11 @@ enum {
 }; /* a block of two takes 2 KB less of stack, and a third more time */
 #endif
 struct method_block {
-    double length;   /* model time of each */
-    unsigned active; /* as in struct segment; the inputs of the others are 0 */
-    unsigned regime; /* in all of them */
+    double length;    /* model time of each */
+    unsigned active;  /* as in struct segment; the inputs of the others are 0 */
+    unsigned regime;  /* in all of them */
+    unsigned jumps;   /* bit k: an input jumps, or is told anew, when tick k begins */
+    uint64_t instant; /* as in struct segment */
     double x[1 + BLOCK_TICKS][MODEL_STATES];
     struct input at[1 + 2 * BLOCK_TICKS][MODEL_INPUTS];
     struct phasor phasor[1 + BLOCK_TICKS]

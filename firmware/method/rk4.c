@@ -27,33 +27,33 @@ struct inlined {
 /* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. The stage velocities are
  * put into the stage positions. So the chain from one force to the next is two operations shorter, and the
  * positions need the sum of three accelerations only. */
-ALWAYS_INLINE void advance(struct inlined m, const double *p, double h,
-                           const struct input (*at)[MODEL_INPUTS], const double *x, double *x1)
+ALWAYS_INLINE void advance(struct inlined m, const double *p, double h, const struct input *begin,
+                           const struct input *middle, const struct input *end, const double *x, double *x1)
 {
     double k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
     double half = 0.5 * h, quarter = half * half, square = half * h;
     int n = m.n / 2;
-    m.rhs(p, at[0], x, k1);
+    m.rhs(p, begin, x, k1);
     for (int i = 0; i < n; i++) {
         y[i] = x[i] + half * x[n + i];
         y[n + i] = x[n + i] + half * k1[n + i];
     }
-    m.rhs(p, at[1], y, k2);
+    m.rhs(p, middle, y, k2);
     for (int i = 0; i < n; i++) {
         y[i] = (x[i] + half * x[n + i]) + quarter * k1[n + i];
         y[n + i] = x[n + i] + half * k2[n + i];
     }
-    m.rhs(p, at[1], y, k3);
+    m.rhs(p, middle, y, k3);
     for (int i = 0; i < n; i++) {
         y[i] = (x[i] + h * x[n + i]) + square * k2[n + i];
         y[n + i] = x[n + i] + h * k3[n + i];
     }
-    m.rhs(p, at[2], y, k4);
+    m.rhs(p, end, y, k4);
     double sixth = h * (1.0 / 6.0), sixth_square = h * sixth;
     for (int i = 0; i < n; i++) {
-        double middle = k2[n + i] + k3[n + i];
-        x1[i] = (x[i] + h * x[n + i]) + sixth_square * (k1[n + i] + middle);
-        x1[n + i] = x[n + i] + sixth * ((k1[n + i] + k4[n + i]) + 2.0 * middle);
+        double twice = k2[n + i] + k3[n + i];
+        x1[i] = (x[i] + h * x[n + i]) + sixth_square * (k1[n + i] + twice);
+        x1[n + i] = x[n + i] + sixth * ((k1[n + i] + k4[n + i]) + 2.0 * twice);
     }
 }
 
@@ -75,7 +75,7 @@ static void advance_general(const struct model *m, const double *p, const double
                             const struct segment *e, const double *x, double *x1)
 {
     (void)scratch;
-    advance(through_pointers(m), p, e->length, e->at, x, x1);
+    advance(through_pointers(m), p, e->length, e->at[0], e->at[1], e->at[2], x, x1);
 }
 
 /* Something switched, or nearly did: takes the step once more, to locate it. Handing over the values that
@@ -91,14 +91,13 @@ CALLED_FROM_ANYWHERE enum step_status locate(const struct model *m, const double
 }
 
 /* May a contact switch between x and x1? */
-ALWAYS_INLINE bool suspected(struct inlined m, const double *p, double h,
-                             const struct input (*at)[MODEL_INPUTS], unsigned regime, const double *x,
-                             const double *x1)
+ALWAYS_INLINE bool suspected(struct inlined m, const double *p, double h, const struct input *begin,
+                             const struct input *end, unsigned regime, const double *x, const double *x1)
 {
     struct input g0[MODEL_CONTACTS], g1[MODEL_CONTACTS];
     bool any = false;
-    m.gap(p, at[0], x, g0);
-    m.gap(p, at[2], x1, g1);
+    m.gap(p, begin, x, g0);
+    m.gap(p, end, x1, g1);
     for (int i = 0; i < m.n_contacts; i++)
         any |= switch_suspected(&g0[i], &g1[i], h, (regime >> i) & 1u);
     return any;
@@ -109,10 +108,10 @@ ALWAYS_INLINE enum step_status step(struct inlined m, const struct model *model,
                                     struct crossing *c)
 {
     double x1[MODEL_STATES];
-    advance(m, p, e->length, e->at, x, x1);
+    advance(m, p, e->length, e->at[0], e->at[1], e->at[2], x, x1);
     if (!inside(x1, m.n, DBL_MAX))
         return STEP_NOT_FINITE;
-    if (!(regime & REGIME_ANY) && suspected(m, p, e->length, e->at, regime, x, x1))
+    if (!(regime & REGIME_ANY) && suspected(m, p, e->length, e->at[0], e->at[2], regime, x, x1))
         return locate(model, p, scratch, e, regime, x, c);
     for (int i = 0; i < m.n; i++)
         x[i] = x1[i];
@@ -164,11 +163,12 @@ ALWAYS_INLINE uint32_t run(struct inlined m, const double *p, const struct metho
 {
     double x[MODEL_STATES], x1[MODEL_STATES], h = b->length;
     unsigned regime = b->regime;
+    const int first = b->jumps ? 1 : 0; /* the inputs at the begin of a tick */
     for (int i = 0; i < m.n; i++)
         x[i] = to[0][i];
     for (uint32_t k = 0; k < n; k++, at += 2) {
-        advance(m, p, h, at, x, x1);
-        if (!inside(x1, m.n, METHOD_STATE_LIMIT) || suspected(m, p, h, at, regime, x, x1))
+        advance(m, p, h, at[first], at[1], at[2], x, x1);
+        if (!inside(x1, m.n, METHOD_STATE_LIMIT) || suspected(m, p, h, at[first], at[2], regime, x, x1))
             return k;
         to++;
         for (int i = 0; i < m.n; i++)

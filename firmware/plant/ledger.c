@@ -129,9 +129,32 @@ ALWAYS_INLINE real_lanes step_back(double *last, real_lanes end)
     return begin;
 }
 
-/* TICK_LANES pieces as by one_piece, to equal bits. */
+/* An input and states of TICK_LANES ticks side by side. */
+ALWAYS_INLINE struct input_lanes inputs_of(const struct input *a, const struct input *b)
+{
+    return (struct input_lanes){{a->value, b->value}, {a->rate, b->rate}};
+}
+
+/* The flow at the begin of TICK_LANES pieces, where the inputs of the middle hold. */
+ALWAYS_INLINE void find_begins(struct inlined m, const double *p, const struct input (*at)[MODEL_INPUTS],
+                               const double *x0, const double *x1, struct flow_lanes *begin)
+{
+    struct input_lanes u[MODEL_INPUTS];
+    real_lanes from[MODEL_STATES];
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++)
+        u[i] = inputs_of(&at[0][i], &at[2][i]);
+    UNROLL
+    for (int k = 0; k < m.n; k++)
+        from[k] = (real_lanes){x0[k], x1[k]};
+    m.lanes(p, u, from, begin);
+}
+
+/* TICK_LANES pieces as by one_piece, to equal bits. found: NULL, or the flow at the begin of each, found
+ * anew. */
 ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const double *p,
-                                  const struct input (*at)[MODEL_INPUTS], const double *x0, const double *x1)
+                                  const struct input (*at)[MODEL_INPUTS], const double *x0, const double *x1,
+                                  const struct flow_lanes *found)
 {
     struct flow *last = &l->flow;
     struct input_lanes u[2][MODEL_INPUTS];
@@ -142,8 +165,7 @@ ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const doub
     for (int i = 0; i < m.n_inputs; i++) {
         UNROLL
         for (int k = 0; k < 2; k++)
-            u[k][i] = (struct input_lanes){{at[k][i].value, at[2 + k][i].value},
-                                           {at[k][i].rate, at[2 + k][i].rate}};
+            u[k][i] = inputs_of(&at[k][i], &at[2 + k][i]);
     }
     UNROLL
     for (int k = 0; k < m.n; k++) {
@@ -154,13 +176,26 @@ ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const doub
     UNROLL
     for (int k = m.n / 2; k < m.n; k++)
         begin.x_dot[k] = step_back(&last->x_dot[k], end.x_dot[k]);
+    UNROLL
+    for (int i = 0; i < m.n_inputs; i++)
+        begin.work[i] = step_back(&last->work[i], end.work[i]);
+    begin.damping = step_back(&last->damping, end.damping);
+    if (found) {
+        UNROLL
+        for (int k = m.n / 2; k < m.n; k++)
+            begin.x_dot[k] = found->x_dot[k];
+        UNROLL
+        for (int i = 0; i < m.n_inputs; i++)
+            begin.work[i] = found->work[i];
+        begin.damping = found->damping;
+        force = larger(found->force[0], found->force[1]);
+    }
     middle_of_lanes(m.n, &l->rule, begin.x_dot, end.x_dot, from, to, x);
     m.lanes(p, u[0], x, &middle);
     UNROLL
     for (int i = 0; i < m.n_inputs; i++)
-        work[i] = simpson_lanes(sixth, step_back(&last->work[i], end.work[i]), middle.work[i], end.work[i]);
-    real_lanes damping =
-        simpson_lanes(sixth, step_back(&last->damping, end.damping), middle.damping, end.damping);
+        work[i] = simpson_lanes(sixth, begin.work[i], middle.work[i], end.work[i]);
+    real_lanes damping = simpson_lanes(sixth, begin.damping, middle.damping, end.damping);
     UNROLL
     for (int k = 0; k < TICK_LANES; k++) {
         double of_tick[MODEL_INPUTS];
@@ -199,28 +234,39 @@ typedef double one_function(struct ledger *l, const double *p, const struct inpu
 
 ALWAYS_INLINE double one_by_one(one_function *one, struct ledger *l, const double *p,
                                 const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
-                                uint32_t n)
+                                uint32_t n, bool anew)
 {
     double force = 0.0;
-    for (uint32_t k = 0; k < n; k++)
+    for (uint32_t k = 0; k < n; k++) {
+        if (anew)
+            l->model->flow(p, at[2 * k + 1], x[k], &l->flow);
         force = larger(force, one(l, p, &at[2 * k + 1], x[k], x[k + 1]));
+    }
     return force;
 }
 
 static double ticks_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
-                            const double (*x)[MODEL_STATES], uint32_t n)
+                            const double (*x)[MODEL_STATES], uint32_t n, bool anew)
 {
-    return one_by_one(one_general, l, p, at, x, n);
+    return one_by_one(one_general, l, p, at, x, n, anew);
 }
 
+typedef void begins_function(const double *p, const struct input (*at)[MODEL_INPUTS], const double *x0,
+                             const double *x1, struct flow_lanes *begin);
+
 /* Ticks of a block. A last one alone is rare. */
-ALWAYS_INLINE double ticks(struct inlined m, one_function *one, struct ledger *l, const double *p,
-                           const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
-                           uint32_t n)
+ALWAYS_INLINE double ticks(struct inlined m, one_function *one, begins_function *begins, struct ledger *l,
+                           const double *p, const struct input (*at)[MODEL_INPUTS],
+                           const double (*x)[MODEL_STATES], uint32_t n, bool anew)
 {
+    struct flow_lanes found;
     if (!m.lanes)
-        return one_by_one(one, l, p, at, x, n);
-    return n == TICK_LANES ? side_by_side(m, l, p, at + 1, x[0], x[1]) : ticks_general(l, p, at, x, n);
+        return one_by_one(one, l, p, at, x, n, anew);
+    if (n != TICK_LANES)
+        return ticks_general(l, p, at, x, n, anew);
+    if (anew)
+        begins(p, at + 1, x[0], x[1], &found);
+    return side_by_side(m, l, p, at + 1, x[0], x[1], anew ? &found : NULL);
 }
 #endif
 
@@ -260,18 +306,25 @@ INSTANCES(DECLARE_TICKS)
 #undef JUMP
 #define JUMP(row, when)                                                                                      \
     if (when)                                                                                                \
-        return ticks_##row(l, p, at, x, n);
+        return ticks_##row(l, p, at, x, n, anew);
 
 #define TICKS(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                            \
+    NEVER_INLINE void begins_##name(const double *p, const struct input(*at)[MODEL_INPUTS],                  \
+                                    const double *x0, const double *x1, struct flow_lanes *begin)            \
+    {                                                                                                        \
+        const struct inlined m = {states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)};                \
+        if (m.lanes)                                                                                         \
+            find_begins(m, p, at, x0, x1, begin);                                                            \
+    }                                                                                                        \
     CALLED_FROM_ANYWHERE double ticks_##name(struct ledger *l, const double *p,                              \
                                              const struct input(*at)[MODEL_INPUTS],                          \
-                                             const double(*x)[MODEL_STATES], uint32_t n)                     \
+                                             const double(*x)[MODEL_STATES], uint32_t n, bool anew)          \
     {                                                                                                        \
         unsigned active = l->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
         return ticks((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)},            \
-                     one_##name, l, p, at, x, n);                                                            \
+                     one_##name, begins_##name, l, p, at, x, n, anew);                                       \
     }
 INSTANCES(TICKS)
 

@@ -35,10 +35,11 @@ typedef double ledger_function(struct ledger *l, const double *p, const struct s
                                const double *x1);
 /* Behind ledger_begin: books n ticks of a block, 1 or BLOCK_TOGETHER, from the one on whose inputs are at[0]
  * to at[2] and whose states are x[0] and x[1]. Returns the largest contact force at their ends and middles.
+ * anew: an input may jump before any of them. Inputs hold in each, and the flow at its begin is found anew.
  */
 typedef double ledger_ticks_function(struct ledger *l, const double *p,
                                      const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
-                                     uint32_t n);
+                                     uint32_t n, bool anew);
 
 struct ledger {
     const struct model *model;

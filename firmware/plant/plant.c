@@ -455,11 +455,22 @@ NEVER_INLINE bool is_quiet(const struct plant *pl)
     return true;
 }
 
+/* Samples of an input, which are all that sounds. */
+struct samples {
+    int input;
+    const double *value; /* SI */
+    double unit;
+    uint64_t begin, ticks; /* when the first begins, and for how long each is held */
+};
+
 /* Quiet ticks under way. With TICK_LANES > 1 the ledger follows BLOCK_TOGETHER ticks behind, so that it does
  * not stand between one step and the next. */
 struct quiet {
     struct method_block b;
     unsigned turning;                     /* bit i: drive i turns; the others that sound stand */
+    unsigned moving;                      /* these, and the input that is held */
+    const struct samples *held;           /* NULL: nothing is */
+    uint32_t filled;                      /* ticks of the block that have their sample */
     uint64_t origin;                      /* number of the block's first tick */
     uint32_t done, booked;                /* its ticks that are moved, and that the ledger has */
     uint64_t passed;                      /* up to this tick drives and times have gone on */
@@ -474,12 +485,13 @@ struct quiet {
 };
 
 /* The first of up to n quiet ticks begins; returns those until a phasor is due. Inputs that do not turn are
- * filled in once. */
-static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
+ * filled in once. held: NULL, or the samples behind the present one. */
+static uint32_t begin_quiet(struct plant *pl, uint32_t n, const struct samples *held, struct quiet *q)
 {
     struct segment *e = &pl->segment;
     struct method_block *b = &q->b;
-    q->turning = q->done = q->booked = 0;
+    q->turning = q->done = q->booked = q->filled = 0;
+    q->held = held;
     q->origin = q->passed = pl->now.tick;
     q->switched = NULL;
     q->run = pl->bind_run ? pl->bind_run(pl->model, pl->scratch) : NULL;
@@ -487,10 +499,13 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
     q->book = ledger_bind_ticks(pl->model);
 #endif
     e->instant = (pl->now.tick - 1) * TICK_FRACTIONS;
+    e->changed = false;
     q->c = (struct crossing){0.0, 0, 0, 0.0};
     b->length = e->length = pl->h;
     b->active = e->active;
     b->regime = pl->regime;
+    b->jumps = 0;
+    b->instant = pl->now.tick * TICK_FRACTIONS;
     copy_state(b->x[0], pl->x, pl->model->n_states);
     for (int i = 0; i < pl->model->n_inputs; i++) {
         struct drive *d = &pl->drive[i];
@@ -501,6 +516,7 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
             q->turning |= (drive_stands(d) ? 0u : 1u) << i;
         }
     }
+    q->moving = q->turning | (held ? 1u << held->input : 0u);
     if (pl->books == BOOKS_OF_LEDGER)
         ledger_begin(&pl->ledger, pl->p, e, e->at[2], pl->x);
     uint32_t filled = n < BLOCK_TICKS ? n : BLOCK_TICKS;
@@ -513,6 +529,26 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, struct quiet *q)
             b->phasor[k][i] = b->phasor[0][i];
     }
     return n;
+}
+
+/* The block's ticks before `to` get their samples. */
+static void fill_samples(struct quiet *q, uint32_t to)
+{
+    const struct samples *h = q->held;
+    struct method_block *b = &q->b;
+    uint32_t k = q->filled;
+    uint64_t since = q->origin + k - h->begin, next = (since + h->ticks - 1) / h->ticks;
+    uint64_t until = next * h->ticks - since; /* the next one begins */
+    struct input u = b->at[2 * k][h->input];
+    for (; k < to; k++, until--) {
+        if (until == 0) {
+            u.value = h->value[next++] / h->unit;
+            b->jumps |= 1u << k;
+            until = h->ticks;
+        }
+        b->at[2 * k + 1][h->input] = b->at[2 * k + 2][h->input] = u;
+    }
+    q->filled = to;
 }
 
 /* Ticks of the block from a certain one on: their states, inputs and phasors. */
@@ -549,6 +585,16 @@ ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
     e->at[2][i] = t.at[2][i];
 }
 
+/* The sample of a tick in its segment. */
+static void hold(struct plant *pl, const struct quiet *q, struct ticks t)
+{
+    struct segment *e = &pl->segment;
+    int i = q->held->input;
+    e->wave[i].offset = t.at[1][i].value;
+    e->at[0][i] = e->at[1][i] = e->at[2][i] = t.at[1][i];
+    e->changed = ((q->b.jumps >> (t.x - q->b.x)) & 1u) != 0;
+}
+
 /* One tick by a single step, in pl->x, where the plant stands; turn: its inputs are to be filled in first.
  * False if it is not a good one to its end. */
 ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, bool turn)
@@ -560,6 +606,8 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
         if (drives & 1u)
             fill_tick(pl, i, t, turn);
     }
+    if (q->held)
+        hold(pl, q, t);
     e->instant += TICK_FRACTIONS;
     q->status = pl->step(pl->model, pl->p, pl->scratch, e, q->b.regime, pl->x, &q->c);
     if (q->status != STEP_END || !inside(pl->x, n))
@@ -568,8 +616,10 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
     if (pl->books == BOOKS_OF_METHOD)
         rise_to(&pl->peak_force, book_otherwise(pl));
 #if TICK_LANES == 1
-    if (pl->books == BOOKS_OF_LEDGER)
-        rise_to(&pl->peak_force, pl->ledger.piece(&pl->ledger, pl->p, e, t.x[0], pl->x));
+    if (pl->books == BOOKS_OF_LEDGER) {
+        pl->ledger.flow_valid &= !e->changed;
+        rise_to(&pl->peak_force, ledger_piece(&pl->ledger, pl->p, e, t.x[0], pl->x));
+    }
 #endif
     return true;
 }
@@ -612,7 +662,7 @@ ALWAYS_INLINE void book_ticks(struct plant *pl, const struct quiet *q, struct ti
 {
 #if TICK_LANES > 1
     if (pl->books == BOOKS_OF_LEDGER && n > 0)
-        rise_to(&pl->peak_force, q->book(&pl->ledger, pl->p, t.at, t.x, n));
+        rise_to(&pl->peak_force, q->book(&pl->ledger, pl->p, t.at, t.x, n, q->b.jumps != 0));
 #else
     (void)pl, (void)q, (void)t, (void)n;
 #endif
@@ -668,7 +718,7 @@ static void move_block(struct quiet *q, int n_states, bool booked)
 {
     enum { KEPT = TICK_LANES > 1 ? BLOCK_TOGETHER : 0, FROM = BLOCK_TICKS - KEPT };
     struct method_block *b = &q->b;
-    unsigned drives = q->turning;
+    unsigned drives = q->moving;
     for (int k = booked ? KEPT : 0; k <= KEPT; k++)
         copy_state(b->x[k], b->x[FROM + k], n_states);
     for (int i = 0; drives != 0; i++, drives >>= 1) {
@@ -679,14 +729,16 @@ static void move_block(struct quiet *q, int n_states, bool booked)
             b->at[k][i] = b->at[2 * FROM + k][i];
         b->phasor[KEPT][i] = b->phasor[BLOCK_TICKS][i];
     }
+    b->jumps >>= FROM;
+    b->instant += FROM * TICK_FRACTIONS;
     q->origin += FROM;
-    q->done = KEPT;
+    q->done = q->filled = KEPT;
 }
 
 /* Time, inputs and phasors stand at the end of the block's tick k. */
 ALWAYS_INLINE void show_tick(struct plant *pl, const struct quiet *q, uint32_t k)
 {
-    unsigned drives = q->turning;
+    unsigned drives = q->moving;
     const struct input *at = q->b.at[2 * k];
     const struct phasor *phasor = q->b.phasor[k];
     for (int i = 0; drives != 0; i++, drives >>= 1) {
@@ -695,6 +747,10 @@ ALWAYS_INLINE void show_tick(struct plant *pl, const struct quiet *q, uint32_t k
         pl->drive[i].cosine = phasor[i].cosine;
         pl->drive[i].sine = phasor[i].sine;
         pl->segment.at[2][i] = at[i];
+    }
+    if (q->held) {
+        struct drive *d = &pl->drive[q->held->input];
+        d->sample = d->sample_to = pl->segment.wave[q->held->input].offset = at[q->held->input].value;
     }
     pl->now.tick = q->origin + k;
 }
@@ -769,6 +825,7 @@ NEVER_INLINE bool end_quiet(struct plant *pl, struct quiet *q)
     show_tick(pl, q, q->done + 1);
     pl->now.tick--;
     pass_drives(pl, q, 1);
+    pl->ledger.flow_valid &= !pl->segment.changed;
     bool finite = q->status != STEP_NOT_FINITE && inside(pl->x, pl->model->n_states);
     if (finite ? integrate_rest(pl, &begin, q->status, &q->c) : give_up(pl, &begin)) {
         pl->now.tick++;
@@ -794,18 +851,20 @@ static void look_at_ticks(struct plant *pl, const struct quiet *q, uint32_t from
 
 /* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and
  * segment do, without asking in each tick what does not change. */
-ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_look_ticks *several,
-                          void *who)
+ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *held, plant_look *look,
+                          plant_look_ticks *several, void *who)
 {
     struct quiet q;
     bool good = true;
-    n = begin_quiet(pl, n, &q);
+    n = begin_quiet(pl, n, held, &q);
     bool booked = q.run && plant_find_books(pl);
     for (uint32_t moved = 0; good && n > 0; n -= moved) {
         if (q.done == BLOCK_TICKS)
             move_block(&q, pl->model->n_states, pl->books != BOOKS_OF_LEDGER);
         uint32_t from = q.done, room = BLOCK_TICKS - from;
         uint32_t asked = n < room ? n : room;
+        if (held)
+            fill_samples(&q, from + asked);
         good = booked ? run_booked(pl, &q, asked) : run_block(pl, &q, asked);
         moved = q.done - from;
         if (several && moved > 0)
@@ -833,49 +892,25 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, plant_look *look, plant_
 }
 
 /* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each, if not
- * `several` is. A function of its own: a tick that is asked for alone does not pay. */
-NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, plant_look *look, plant_look_ticks *several,
-                            void *who)
+ * `several` is. held: NULL, or samples as far as `to`, which are all that sounds. A function of its own: a
+ * tick that is asked for alone does not pay. */
+NEVER_INLINE bool run_quiet(struct plant *pl, uint64_t to, const struct samples *held, plant_look *look,
+                            plant_look_ticks *several, void *who)
 {
     bool good;
     do {
         uint64_t left = to - pl->now.tick;
-        good =
-            run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, look, several, who);
-    } while (good && pl->now.tick < to && is_quiet(pl));
+        good = run_on(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, held, look,
+                      several, who);
+    } while (good && pl->now.tick < to && (held || is_quiet(pl)));
     return good;
 }
 
-/* An input that is all that sounds, and whose sample is all of it. */
-struct held {
-    int input;
-    struct input at;
-    bool jumps; /* to this value, when the next tick begins */
-};
-
-/* That input over the next tick, as by excite. */
-NEVER_INLINE void hold(struct plant *pl, struct held *h)
-{
-    struct segment *e = &pl->segment;
-    struct drive *d = &pl->drive[h->input];
-    d->resync_left = (d->resync_left - 1) % PHASOR_RESYNC_TICKS;
-    for (int k = 0; k < 3; k++)
-        e->at[k][h->input] = h->at;
-    e->length = pl->h;
-    e->instant = pl->now.tick * TICK_FRACTIONS;
-    e->changed = h->jumps;
-    h->jumps = false;
-}
-
-/* h: NULL, or what the ticks hold. */
-NEVER_INLINE bool advance(struct plant *pl, struct instant to, struct held *h)
+NEVER_INLINE bool advance(struct plant *pl, struct instant to)
 {
     uint32_t length;
     while ((length = segment_length(pl, to)) > 0) {
-        if (h)
-            hold(pl, h);
-        else
-            excite(pl, length);
+        excite(pl, length);
         if (pl->staged && !act(pl, length))
             return false;
         if (!segment(pl))
@@ -886,7 +921,7 @@ NEVER_INLINE bool advance(struct plant *pl, struct instant to, struct held *h)
             pl->now.tick++;
             if (pl->staged)
                 pl->stage_calls->sense(pl->stages, pl);
-            if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL))
+            if (pl->now.tick + 1 < to.tick && is_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL, NULL))
                 return false;
         }
     }
@@ -901,14 +936,14 @@ static bool begins_quiet(const struct plant *pl)
 
 NEVER_INLINE bool advance_far(struct plant *pl, struct instant to)
 {
-    if (begins_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL))
+    if (begins_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL, NULL))
         return false;
-    return advance(pl, to, NULL);
+    return advance(pl, to);
 }
 
 bool plant_advance(struct plant *pl, struct instant to)
 {
-    return pl->now.tick + QUIET_FEW < to.tick ? advance_far(pl, to) : advance(pl, to, NULL);
+    return pl->now.tick + QUIET_FEW < to.tick ? advance_far(pl, to) : advance(pl, to);
 }
 
 bool plant_run(struct plant *pl, uint64_t ticks)
@@ -921,7 +956,7 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
     uint64_t to = pl->now.tick + ticks;
     while (pl->now.tick < to) {
         if (pl->now.tick + QUIET_FEW < to && begins_quiet(pl)) {
-            if (!run_quiet(pl, to, look, several, who))
+            if (!run_quiet(pl, to, NULL, look, several, who))
                 return false;
             continue;
         }
@@ -942,28 +977,31 @@ static bool is_held(const struct plant *pl, int i)
            d->amplitude == 0.0 && !d->noise.active;
 }
 
-/* The next sample of an input that is held. */
-static bool run_sample(struct plant *pl, int i, double value, uint64_t ticks)
+/* The first n samples that are not 0. */
+static uint32_t count_samples(const double *value, uint32_t n, double unit)
 {
-    struct wave *w = &pl->segment.wave[i];
-    struct drive *d = &pl->drive[i];
-    w->offset = d->sample = d->sample_to = value;
-    d->phasor_kept = true;
-    struct held h = {i, steady_input(w, w->cosine, w->sine), true};
-    return advance(pl, (struct instant){pl->now.tick + ticks, 0}, &h);
+    uint32_t k = 0;
+    while (k < n && value[k] / unit != 0.0)
+        k++;
+    return k;
 }
 
 bool plant_run_samples(struct plant *pl, int i, const double *value, uint32_t n, uint64_t ticks)
 {
     double unit = unit_of(pl, i);
-    bool good = true, held = false;
-    for (uint32_t k = 0; k < n && good; k++) {
-        if (held && value[k] / unit != 0.0) {
-            good = run_sample(pl, i, value[k] / unit, ticks);
+    bool good = true;
+    uint32_t alike = 0; /* samples told by themselves that the next ones may follow */
+    for (uint32_t k = 0; k < n && good;) {
+        uint32_t several = alike < 2 ? 0 : count_samples(&value[k], n - k, unit);
+        if (several > 0) {
+            const struct samples held = {i, &value[k], unit, pl->now.tick, ticks};
+            pl->drive[i].phasor_kept = true;
+            good = run_quiet(pl, pl->now.tick + several * ticks, &held, NULL, NULL, NULL);
+            k += several;
         } else {
-            plant_sample(pl, i, value[k], 0);
+            plant_sample(pl, i, value[k++], 0);
             good = plant_run(pl, ticks);
-            held = is_held(pl, i);
+            alike = is_held(pl, i) ? alike + 1 : 0;
         }
     }
     return good;

@@ -252,7 +252,8 @@ NEVER_INLINE void follow(struct adams *s, const struct segment *e, const double 
         s->known = 0;
         note_force(s, e->at[0]);
     }
-    book_begin(s, e->length, e->at[0], &s->m);
+    const struct adams_rule rule = rule_of(e->length);
+    book_begin(s, &rule, e->at[0], s->kind, s->on, s->n_on, &s->m);
 }
 
 static void phasors_of(const struct adams *s, const struct segment *e, struct phasor *turn)
@@ -378,11 +379,11 @@ static step_function *bind(const struct model *m)
 
 /* ---- quiet ticks ---- */
 
-/* The next tick goes on as the last one did. */
+/* The next tick goes on as the last one did, or with a jump that leaves g alone. */
 static bool goes_on(const struct adams *s, const struct method_block *b, const double *x)
 {
     return s->known == ADAMS_NODES && s->left == 0.0 && stands(s, x) && b->length == s->h &&
-           b->active == s->active;
+           b->active == s->active && !(b->jumps && s->kind != ADAMS_FORCED);
 }
 
 /* Nothing but a plain tick has happened: the contact stays on its side, and the rate of eta keeps its sign.
@@ -442,6 +443,19 @@ NEVER_INLINE bool take_turn(struct adams *s, const struct turn *t, struct method
     return true;
 }
 
+/* The next tick begins with a jump of forces, which hold, to u; on[k] is the place of active input k in u. */
+ALWAYS_INLINE void jump(struct adams *s, const struct input *u, const int *on, int n_on,
+                        struct adams_motion *now)
+{
+    double value = s->form.constant;
+    for (int k = 0; k < n_on; k++) {
+        s->wave[s->on[k]].offset = u[on[k]].value;
+        value += s->force[k] * u[on[k]].value;
+    }
+    s->push.steady = adams_push_steady(s->h, value, 0.0);
+    book_begin(s, &s->rule, u, ADAMS_FORCED, on, n_on, now);
+}
+
 /* `now` becomes `next`, but for the books of inputs that are not active. */
 ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams_motion *now)
 {
@@ -461,7 +475,8 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n,
                            enum adams_kind kind, int first, const int *on, int n_on)
 {
-    const struct phasor *turn = &b->phasor[(at - b->at) / 2][first];
+    const unsigned n_before = (unsigned)(at - b->at) / 2, jumps = b->jumps >> n_before;
+    const struct phasor *turn = &b->phasor[n_before][first];
     const struct input *end = &at[2][first];
     const double side = b->regime & 1u ? 1.0 : -1.0, h = s->h;
     struct adams_motion now = s->m;
@@ -470,6 +485,8 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
         struct adams_motion next;
         struct method_books *books = &s->books[k];
         double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_of(s, end, n_on);
+        if (kind == ADAMS_FORCED && ((jumps >> k) & 1u))
+            jump(s, end, on, n_on, &now);
         advance(s, turn, stiffness, on, n_on, &now, &next);
         books->force = fabs(s->force_unit * next.contact);
         if (!is_plain(now.at, next.at, side)) {

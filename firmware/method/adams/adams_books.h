@@ -145,18 +145,17 @@ ALWAYS_INLINE void find_end(const struct adams *s, double length, const struct i
     }
 }
 
-/* The part of the tick that begins at m, whose length is `length`. */
-ALWAYS_INLINE void book_begin(const struct adams *s, double length, const struct input *u,
-                              struct adams_motion *m)
+/* The part by rule r of the tick that begins at m; on[k] is the place of active input k in u. */
+ALWAYS_INLINE void book_begin(const struct adams *s, const struct adams_rule *r, const struct input *u,
+                              enum adams_kind kind, const int *on, int n_on, struct adams_motion *m)
 {
     struct powers q;
     struct end e;
-    struct adams_rule r = rule_of(length);
-    find_end(s, 0.0, u, m, s->kind, s->on, s->n_on, &e);
-    powers_of(s, &e, s->kind, s->on, s->n_on, &q);
-    for (int k = 0; k < s->n_on; k++)
-        m->begun.work[k] = r.half * q.work[k] + r.twelfth * q.work_rate[k];
-    m->begun.damping = r.half * q.damping + r.twelfth * q.damping_rate;
+    find_end(s, 0.0, u, m, kind, on, n_on, &e);
+    powers_of(s, &e, kind, on, n_on, &q);
+    for (int k = 0; k < n_on; k++)
+        m->begun.work[k] = r->half * q.work[k] + r->twelfth * q.work_rate[k];
+    m->begun.damping = r->half * q.damping + r->twelfth * q.damping_rate;
 }
 
 /* The books by rule r of the tick that ends at m and began with `begun`. on[k] is the place of active input k

@@ -91,8 +91,7 @@ static void push_steadily(const struct adams *s, double h, struct adams_push *pu
         value += s->form.force[i] * s->wave[i].offset + s->form.drag[i] * s->wave[i].slope;
         slope += s->form.force[i] * s->wave[i].slope;
     }
-    push->steady[ADAMS_PLACE] = 0.5 * h * h * (value + h * slope * (1.0 / 3.0));
-    push->steady[ADAMS_RATE] = h * (value + 0.5 * h * slope);
+    push->steady = adams_push_steady(h, value, slope);
 }
 
 void adams_push_for(const struct adams *s, double length, struct adams_push *push)

@@ -4,6 +4,12 @@
 
 #include "firmware/method/adams/adams.h"
 
+/* By a force that begins at `value` and has a slope. */
+ALWAYS_INLINE adams_pair adams_push_steady(double h, double value, double slope)
+{
+    return (adams_pair){0.5 * h * h * (value + h * slope * (1.0 / 3.0)), h * (value + 0.5 * h * slope)};
+}
+
 /* The series of the functions below, once for all. */
 void adams_prepare_series(struct adams *s);
 
