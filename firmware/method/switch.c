@@ -109,6 +109,12 @@ double switch_rate(const struct input *g0, const struct input *g1, double length
     return (q.b + t * (2.0 * q.c + 3.0 * t * q.d)) / length;
 }
 
+double switch_bend(const struct input *g0, const struct input *g1, double length, double s)
+{
+    struct cubic q = cubic_of(g0, g1, length, 1.0);
+    return (2.0 * q.c + 6.0 * (s / length) * q.d) / (length * length);
+}
+
 /* A switch being sharpened: the old regime holds at lo, the new one at hi. */
 struct bracket {
     double lo, hi, s;

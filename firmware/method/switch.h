@@ -39,10 +39,12 @@ double switch_guess(const struct input *g0, const struct input *g1, double lengt
 /* As switch_guess, but to rounding: for a method that takes the cubic for the motion. */
 double switch_instant(const struct input *g0, const struct input *g1, double length, bool closed);
 
-/* The largest value of the Hermite cubic of a gap that turns from rising to falling, and the rate of that of
- * any gap at model time s from its begin. */
+/* The largest value of the Hermite cubic of a gap that turns from rising to falling. */
 double switch_highest(const struct input *g0, const struct input *g1, double length);
+
+/* The rate of the cubic of any gap, and the rate of that, at model time s from its begin. */
 double switch_rate(const struct input *g0, const struct input *g1, double length, double s);
+double switch_bend(const struct input *g0, const struct input *g1, double length, double s);
 
 /* The plain step of a method: x1 becomes the state at the end of e, without a stop at switches. Its forces
  * must be valid in every regime. */

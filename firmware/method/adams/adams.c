@@ -4,8 +4,9 @@
  * closed form (adams_wave.c), so a jump or a ramp of a force spoils nothing. Only g is extrapolated. A
  * quartic through the last five g predicts the end of a tick; a quintic that has g there, too, corrects it
  * (Adams, Bashforth, Moulton; Stormer for the place). g is not computed again. The order is 6 in smooth
- * motion, and 5 with its start. A step goes straight through a contact switch, and across it the order is 2
- * to 2.5. A tick costs one square root.
+ * motion, and 5 with its start. A step goes straight through a contact switch. Its end gets what the rule
+ * lacks there (adams_kink.c): order 4 to 5, from the sixth tick behind the switch on. A tick costs one square
+ * root.
  *
  * The first five g come from steps of a Runge-Kutta method of order 4. They are needed after a state that was
  * set, a change of parameters, and a part of a tick. An input that stands in g (a moving base, a modulated
@@ -19,6 +20,7 @@
 #include <string.h>
 #include "firmware/method/adams/adams.h"
 #include "firmware/method/adams/adams_books.h"
+#include "firmware/method/adams/adams_kink.h"
 #include "firmware/method/adams/adams_wave.h"
 #include "firmware/method/switch.h"
 #include "models/check.h"
@@ -216,6 +218,37 @@ ALWAYS_INLINE bool inside(adams_pair at, double limit)
     return fabs(at[0]) + fabs(at[1]) <= limit;
 }
 
+/* The first switch between a and b, behind a; or -1. */
+static double seek(adams_pair a, adams_pair b, double length, unsigned regime)
+{
+    if ((regime & REGIME_ANY) || !suspected(a, b, length, regime))
+        return -1.0;
+    return instant(a, b, length, regime);
+}
+
+/* The rule falls short by this at the end `to` of a tick in which a contact switches, `done` behind its
+ * begin. At the time s from there, inside contact, the contact's part of g is to the second order
+ *
+ *     -stiffness hertz ((|eta'| s)^1.5 + 3/4 eta'' |eta'|^0.5 s^2.5) */
+NEVER_INLINE adams_pair lack_of(const struct adams *s, adams_pair from, adams_pair to, double stiffness,
+                                double done, unsigned regime)
+{
+    const struct input g0 = gap_of(from), g1 = gap_of(to);
+    bool touch = !(regime & 1u);
+    double h = s->h, left = 1.0 - done / h;
+    if (!(done >= 0.0 && done < h) || (to[ADAMS_PLACE] > 0.0) != touch)
+        return (adams_pair){0.0, 0.0};
+    const struct adams_remainder r = adams_remainder(touch ? left : 1.0 - left);
+    double way = fabs(switch_rate(&g0, &g1, h, done)) * h, bend = -switch_bend(&g0, &g1, h, done) * (h * h);
+    double push = -(stiffness * s->form.hertz) * sqrt(way) * h;
+    double rate = push * (way * r.of_force + 0.75 * (bend * r.of_force_by_s));
+    double by_s = push * (way * r.of_force_by_s);
+    adams_pair lack = {h * (left * rate + (touch ? -by_s : by_s)), rate};
+    if ((to[ADAMS_PLACE] + lack[ADAMS_PLACE] > 0.0) != touch)
+        lack[ADAMS_PLACE] = 0.0; /* it would be back */
+    return lack;
+}
+
 /* ---- the past ---- */
 
 static void find_place(struct adams *s, const struct input *u, const double *x)
@@ -287,8 +320,9 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
 
 /* ---- the step ---- */
 
-/* One tick, or a part of one, which leaves no past: s->m and the books go to its end, and x too. */
-static void take(struct adams *s, const struct segment *e, double *x)
+/* One tick, or a part of one, which leaves no past: s->m and the books go to its end, and x too. Returns the
+ * switch in it, or -1. */
+static double take(struct adams *s, const struct segment *e, unsigned regime, double *x)
 {
     struct phasor turn[MODEL_INPUTS];
     if (e->changed || s->known == 0 || e->active != s->active || !stands(s, x))
@@ -296,17 +330,24 @@ static void take(struct adams *s, const struct segment *e, double *x)
     const struct adams_motion begin = s->m;
     s->from = begin.at;
     s->from_contact = begin.contact;
+    double done, stiffness = stiffness_at(s, e->at[2]);
     if (s->known == ADAMS_NODES && e->length == s->h) {
         phasors_of(s, e, turn);
-        advance(s, turn, stiffness_at(s, e->at[2]), s->on, s->n_on, &begin, &s->m);
+        advance(s, turn, stiffness, s->on, s->n_on, &begin, &s->m);
+        done = seek(begin.at, s->m.at, e->length, regime);
+        adams_pair lack = lack_of(s, begin.at, s->m.at, stiffness, done, regime);
+        s->m.at += lack;
+        s->m.without += lack;
     } else {
         step_alone(s, e);
+        done = seek(begin.at, s->m.at, e->length, regime);
     }
     if (e->length != s->h)
         s->known = 0;
     const struct adams_rule rule = rule_of(e->length);
     book_any(s, &rule, e->length, e->at[2], &begin.begun, &s->m, &s->books[0]);
     state_of(s, e->at[2], s->m.at, s->kind, x);
+    return done;
 }
 
 /* s->m is beyond a switch: x becomes the state there, and the rest of the tick waits for the next call. */
@@ -323,15 +364,13 @@ static void stop_at(struct adams *s, const struct segment *e, double done, adams
     s->books[0] = (struct method_books){.force = 0.0};
 }
 
-/* The motion from s->from to the end of e: to a switch in it, or to its end. The energies of a tick are
- * booked at its end. */
-static enum step_status tell(struct adams *s, const struct segment *e, unsigned regime, double *x,
+/* The motion from s->from to the end of e: to the switch `done` in it, or to its end. The energies of a tick
+ * are booked at its end. */
+static enum step_status tell(struct adams *s, const struct segment *e, double done, double *x,
                              struct crossing *c)
 {
     adams_pair a = s->from, to = s->m.at;
-    double length = e->length, done = -1.0, contact = s->m.contact;
-    if (!(regime & REGIME_ANY) && suspected(a, to, length, regime))
-        done = instant(a, to, length, regime);
+    double length = e->length, contact = s->m.contact;
     s->left = 0.0;
     if (done >= 0.0) {
         *c = (struct crossing){done, 0, 0, 0.0};
@@ -363,12 +402,10 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     if (s->left > 0.0 && e->length == s->left && stands(s, x)) {
         memcpy(x, s->end, sizeof s->end);
         s->books[0] = s->kept;
-    } else {
-        take(s, e, x);
-        if (!inside(s->m.at, DBL_MAX))
-            return STEP_NOT_FINITE;
+        return tell(s, e, seek(s->from, s->m.at, e->length, regime), x, c);
     }
-    return tell(s, e, regime, x, c);
+    double done = take(s, e, regime, x);
+    return inside(s->m.at, DBL_MAX) ? tell(s, e, done, x, c) : STEP_NOT_FINITE;
 }
 
 static step_function *bind(const struct model *m)
@@ -396,7 +433,7 @@ ALWAYS_INLINE bool is_plain(adams_pair a, adams_pair b, double side)
 
 /* A tick that is not plain: the compression turns, or a contact switches. */
 struct turn {
-    adams_pair from, to;
+    adams_pair from, to, without;
     double begin, end, stiffness; /* the contact's force at its ends; 1 and the modulation at its end */
     unsigned regime;
     const struct phasor *phasor; /* at its begin */
@@ -417,15 +454,17 @@ static void state_at_switch(const struct adams *s, const struct phasor *phasor, 
 }
 
 /* Its forces and its switch. False where it is for a single step. */
-NEVER_INLINE bool take_turn(struct adams *s, const struct turn *t, struct method_books *b)
+NEVER_INLINE bool take_turn(struct adams *s, struct turn *t, struct method_books *b)
 {
     adams_pair from = t->from;
-    double h = s->h, done = -1.0;
+    double h = s->h;
     if (!inside(t->to, METHOD_STATE_LIMIT))
         return false;
-    if (suspected(from, t->to, h, t->regime))
-        done = instant(from, t->to, h, t->regime);
+    double done = seek(from, t->to, h, t->regime);
     if (done >= 0.0) {
+        adams_pair lack = lack_of(s, from, t->to, t->stiffness, done, t->regime);
+        t->to += lack;
+        t->without += lack;
         const adams_pair at = {0.0, rate_at(from, t->to, h, done)};
         if (done >= h || suspected(at, t->to, h - done, t->regime ^ 1u))
             return false;
@@ -490,10 +529,12 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
         advance(s, turn, stiffness, on, n_on, &now, &next);
         books->force = fabs(s->force_unit * next.contact);
         if (!is_plain(now.at, next.at, side)) {
-            const struct turn t = {now.at,    next.at,   now.contact, next.contact,
-                                   stiffness, b->regime, turn - first};
+            struct turn t = {now.at,       next.at,   next.without, now.contact,
+                             next.contact, stiffness, b->regime,    turn - first};
             if (!take_turn(s, &t, books))
                 break;
+            next.at = t.to;
+            next.without = t.without;
         }
         if (TICK_LANES > 1)
             book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
@@ -558,8 +599,8 @@ static const struct method_switch *switched(const double *scratch)
 
 const struct method adams = {
     .name = "adams",
-    .title = "Adams' predictor and corrector, one force a tick, drives integrated exactly; order 5, 2 to 2.5 "
-             "across switches",
+    .title = "Adams' predictor and corrector, one force a tick, drives integrated exactly; order 5, 4 to 5 "
+             "behind switches",
     .order = 5,
     .n_scratch = n_scratch,
     .refuse = refuse,

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "firmware/method/adams/adams_kink.h"
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
 #include "models/afm_tip.h"
@@ -114,9 +115,11 @@ static void check_order(const struct trajectory *r)
         return;
     bool smooth = r->n_events_total == 0 && r->n_samples > 0;
     double order = order_of(r, smooth ? 80.0 : 120.0, smooth ? 320.0 : 1200.0, &last);
-    check_near(check_name("%s: order %s", r->name, smooth ? "of smooth motion" : "across switches"), order,
-               smooth ? 5.6 : 2.4, smooth ? 1.0 : 0.5);
-    check_below(check_name("%s: error at the last", r->name), last, smooth ? 1e-5 : 2e-4);
+    if (smooth)
+        check_near(check_name("%s: order of smooth motion", r->name), order, 5.6, 1.0);
+    else /* 2.5 where a sample lies within five ticks of a switch */
+        check_above(check_name("%s: order across switches", r->name), order, 2.4);
+    check_below(check_name("%s: error at the last", r->name), last, smooth ? 1e-5 : 2e-6);
 }
 
 TEST(adams_order)
@@ -132,8 +135,8 @@ static void check_told(const struct trajectory *r)
         return;
     struct trajectory_errors worst = trajectory_run(r, &adams, 0.0, scratch, 640.0);
     check_int(check_name("%s: contact switches", r->name), worst.n_events, r->n_events_total);
-    check_below(check_name("%s: worst instant, model time", r->name), worst.time, 2e-3);
-    check_below(check_name("%s: worst speed, model units", r->name), worst.speed, 2e-3);
+    check_below(check_name("%s: worst instant, model time", r->name), worst.time, 2e-6);
+    check_below(check_name("%s: worst speed, model units", r->name), worst.speed, 2e-4);
     check_int("of the wrong kind", worst.kinds, 0);
     n_told++;
 }
@@ -160,14 +163,55 @@ TEST(adams_bounce)
     check_near("instant of touchdown, ticks", (double)touch.tick + touch.fraction, fall / h, 2e-6);
     check_near("speed there", touch.speed, speed, 5e-5);
     check_near("largest force over that of the energy", loss.peak_force / pow(free_peak(speed), 1.5), 1.0,
-               1e-4);
+               1e-6);
     check_near("contact time, ticks",
                (double)loss.tick + loss.fraction - ((double)touch.tick + touch.fraction),
-               free_contact_time(speed) / h, 5e-3);
-    check_near("speed at lift-off", loss.speed, speed, 2e-4);
+               free_contact_time(speed) / h, 5e-6);
+    check_near("speed at lift-off", loss.speed, speed, 2e-5);
     check_near("time out of contact, ticks", pl.loss_time / h,
                (double)pl.now.tick - (double)loss.tick - loss.fraction + (double)touch.tick + touch.fraction,
                1e-9);
+}
+
+/* The flight behind a bounce, by parabola, energy and time in contact. Over many steps, for the error depends
+ * on where in a tick the contact switches, too. */
+static double error_behind_bounce(double steps)
+{
+    const double height = 1.3, fall = sqrt(3.0 * height), speed = fall * (2.0 / 3.0);
+    const double up = fall + free_contact_time(speed);
+    double h = 1.0 / steps;
+    uint64_t ticks = (uint64_t)((up + 2.5) / h);
+    double flown = (double)ticks * h - up;
+    start_rig(h, -height, 0.0);
+    run_ticks(ticks);
+    return fmax(fabs(pl.x[0] - flown * (flown / 3.0 - speed)), fabs(pl.x[1] - ((2.0 / 3.0) * flown - speed)));
+}
+
+TEST(adams_order_behind_switches)
+{
+    enum { MANY = 200 };
+    double x[MANY], y[MANY], worst = 0.0;
+    for (int i = 0; i < MANY; i++) {
+        double steps = 5.0 * pow(8.0, (double)i / (MANY - 1)), error = error_behind_bounce(steps);
+        x[i] = -log(steps);
+        y[i] = log(error);
+        worst = fmax(worst, error * pow(steps, 4.5));
+    }
+    check_near("order: between 6 of the rule and 4.5 of a switch", slope(x, y, MANY), 5.0, 0.5);
+    check_below("largest error times steps^4.5", worst, 0.2);
+}
+
+/* -zeta(-a, x) of Hurwitz at 0 and 1, and at 1/2, where it is (2^-a - 1) of those. */
+TEST(adams_remainders)
+{
+    const double x[] = {0.0, 0.5, 1.0}, part[] = {1.0, pow(2.0, -1.5) - 1.0, 1.0};
+    const double part_by_s[] = {1.0, pow(2.0, -2.5) - 1.0, 1.0};
+    for (int i = 0; i < 3; i++) {
+        struct adams_remainder r = adams_remainder(x[i]);
+        check_near(check_name("of s^1.5, at %g", x[i]), r.of_force, part[i] * 0.025485201889833, 5e-5);
+        check_near(check_name("of s^2.5, at %g", x[i]), r.of_force_by_s, -part_by_s[i] * 0.008516928778,
+                   5e-5);
+    }
 }
 
 /* Within a tick the contact opens and closes again, or closes and opens. The motion is a parabola whose apex
