@@ -49,10 +49,17 @@ static double cubic_zero(const struct cubic *q, double lo, double hi)
     return hi;
 }
 
+/* The cubic rises from 0 to 1: a look without a root, which not every cubic that does so passes. */
+static bool cubic_rises(const struct cubic *q)
+{
+    double last = 2.0 * q->c + 3.0 * q->d;
+    return q->b > 0.0 && q->b + last > 0.0 && (q->d <= 0.0 || q->c >= 0.0);
+}
+
 /* Where a cubic that begins below zero has got there first, in (0, 1]; -1 when it does not. */
 static double cubic_beyond(const struct cubic *q)
 {
-    double peak = cubic_peak(q);
+    double peak = cubic_rises(q) ? -1.0 : cubic_peak(q);
     if (peak > 0.0 && cubic_at(q, peak) >= 0.0)
         return peak;
     return cubic_at(q, 1.0) >= 0.0 ? 1.0 : -1.0;
@@ -65,7 +72,7 @@ double switch_guess(const struct input *g0, const struct input *g1, double lengt
     return beyond > 0.0 ? length * cubic_zero(&q, 0.0, beyond) : -1.0;
 }
 
-/* As cubic_zero, to rounding, by Newton from the secant inside the bracket: a quarter of the work. A cubic
+/* As cubic_zero, to 1e-11, by Newton from the secant inside the bracket: a quarter of the work. A cubic
  * that begins at zero goes below it first: from the other end. */
 static double cubic_root(const struct cubic *q, double lo, double hi)
 {
@@ -81,17 +88,25 @@ static double cubic_root(const struct cubic *q, double lo, double hi)
         t -= value / (q->b + t * (2.0 * q->c + 3.0 * t * q->d));
         if (!(t > lo && t < hi))
             t = 0.5 * (lo + hi);
-        if (fabs(t - last) <= 1e-10)
+        if (fabs(t - last) <= 1e-6)
             break;
     }
     return t;
 }
 
-double switch_instant(const struct input *g0, const struct input *g1, double length, bool closed)
+bool switch_find(const struct input *g0, const struct input *g1, double length, bool closed,
+                 struct switch_found *f)
 {
-    struct cubic q = cubic_of(g0, g1, length, closed ? 1.0 : -1.0);
-    double beyond = cubic_beyond(&q);
-    return beyond > 0.0 ? length * cubic_root(&q, 0.0, beyond) : -1.0;
+    double sign = closed ? 1.0 : -1.0;
+    struct cubic q = cubic_of(g0, g1, length, sign);
+    double beyond = cubic_beyond(&q), per = 1.0 / length;
+    if (!(beyond > 0.0))
+        return false;
+    double t = cubic_root(&q, 0.0, beyond), third = 3.0 * t * q.d;
+    f->done = length * t;
+    f->rate = sign * per * (q.b + t * (2.0 * q.c + third));
+    f->bend = sign * (per * per) * (2.0 * (q.c + third));
+    return true;
 }
 
 double switch_highest(const struct input *g0, const struct input *g1, double length)
@@ -100,19 +115,6 @@ double switch_highest(const struct input *g0, const struct input *g1, double len
     double ends = g0->value > g1->value ? g0->value : g1->value, peak = cubic_peak(&q);
     double most = peak > 0.0 ? cubic_at(&q, peak) : ends;
     return most > ends ? most : ends;
-}
-
-double switch_rate(const struct input *g0, const struct input *g1, double length, double s)
-{
-    struct cubic q = cubic_of(g0, g1, length, 1.0);
-    double t = s / length;
-    return (q.b + t * (2.0 * q.c + 3.0 * t * q.d)) / length;
-}
-
-double switch_bend(const struct input *g0, const struct input *g1, double length, double s)
-{
-    struct cubic q = cubic_of(g0, g1, length, 1.0);
-    return (2.0 * q.c + 6.0 * (s / length) * q.d) / (length * length);
 }
 
 /* A switch being sharpened: the old regime holds at lo, the new one at hi. */

@@ -36,15 +36,19 @@ static inline bool switch_suspected(const struct input *g0, const struct input *
  * the other sign. Negative when a suspected dip does not reach zero. */
 double switch_guess(const struct input *g0, const struct input *g1, double length, bool closed);
 
-/* As switch_guess, but to rounding: for a method that takes the cubic for the motion. */
-double switch_instant(const struct input *g0, const struct input *g1, double length, bool closed);
+/* A switch in the Hermite cubic of a gap: when, in model time from the begin; the gap's rate there, and how
+ * fast that changes. */
+struct switch_found {
+    double done, rate, bend;
+};
+
+/* As switch_guess, but to 1e-11 of the length: for a method that takes the cubic for the motion. False when
+ * there is none; `found` is then as it was. */
+bool switch_find(const struct input *g0, const struct input *g1, double length, bool closed,
+                 struct switch_found *found);
 
 /* The largest value of the Hermite cubic of a gap that turns from rising to falling. */
 double switch_highest(const struct input *g0, const struct input *g1, double length);
-
-/* The rate of the cubic of any gap, and the rate of that, at model time s from its begin. */
-double switch_rate(const struct input *g0, const struct input *g1, double length, double s);
-double switch_bend(const struct input *g0, const struct input *g1, double length, double s);
 
 /* The plain step of a method: x1 becomes the state at the end of e, without a stop at switches. Its forces
  * must be valid in every regime. */

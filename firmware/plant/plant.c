@@ -693,8 +693,10 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
     struct ticks t = ticks_from(&q->b, q->done);
     unsigned drives = q->turning;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
+        const struct drive d = pl->drive[i]; /* what turns does not change with it */
+        const struct wave w = pl->segment.wave[i];
         for (uint32_t k = 0; (drives & 1u) && k < n; k++)
-            drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[2 * k][i], &t.phasor[k][i], 1);
+            drive_turn(&d, &w, &t.at[2 * k][i], &t.phasor[k][i], 1);
     }
     uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
     pl->segment.instant += done * TICK_FRACTIONS;
@@ -770,13 +772,15 @@ static void pass_ticks(struct plant *pl, struct quiet *q)
 {
     bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
     uint32_t ticks = (uint32_t)(q->origin + q->done - q->passed);
+    double total = pl->total_time, loss = pl->loss_time;
     q->passed += ticks;
     pass_drives(pl, q, ticks);
-    /* the sums of so many single additions */
-    for (uint32_t k = 0; k < ticks; k++)
-        pl->total_time += pl->h;
-    for (uint32_t k = 0; lost && k < ticks; k++)
-        pl->loss_time += pl->h;
+    for (uint32_t k = 0; k < ticks; k++) { /* the sums of so many single additions */
+        total += pl->h;
+        loss += lost ? pl->h : 0.0;
+    }
+    pl->total_time = total;
+    pl->loss_time = loss;
 }
 
 /* The inputs in the tick behind those that are done, `done` after its begin. */

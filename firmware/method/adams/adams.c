@@ -200,46 +200,40 @@ static bool suspected(adams_pair a, adams_pair b, double length, unsigned regime
     return switch_suspected(&g0, &g1, length, regime & 1u);
 }
 
-/* When, or -1; and the rate of eta then. */
-static double instant(adams_pair a, adams_pair b, double length, unsigned regime)
-{
-    const struct input g0 = gap_of(a), g1 = gap_of(b);
-    return switch_instant(&g0, &g1, length, regime & 1u);
-}
-
-static double rate_at(adams_pair a, adams_pair b, double length, double done)
-{
-    const struct input g0 = gap_of(a), g1 = gap_of(b);
-    return -switch_rate(&g0, &g1, length, done);
-}
-
 ALWAYS_INLINE bool inside(adams_pair at, double limit)
 {
     return fabs(at[0]) + fabs(at[1]) <= limit;
 }
 
-/* The first switch between a and b, behind a; or -1. */
-static double seek(adams_pair a, adams_pair b, double length, unsigned regime)
+/* The first switch between a and b, behind a; done is -1 if there is none. */
+static struct switch_found seek(adams_pair a, adams_pair b, double length, unsigned regime)
 {
-    if ((regime & REGIME_ANY) || !suspected(a, b, length, regime))
-        return -1.0;
-    return instant(a, b, length, regime);
+    const struct input g0 = gap_of(a), g1 = gap_of(b);
+    struct switch_found f = {-1.0, 0.0, 0.0};
+    if (!(regime & REGIME_ANY) && switch_suspected(&g0, &g1, length, regime & 1u))
+        (void)switch_find(&g0, &g1, length, regime & 1u, &f);
+    return f;
 }
 
-/* The rule falls short by this at the end `to` of a tick in which a contact switches, `done` behind its
- * begin. At the time s from there, inside contact, the contact's part of g is to the second order
+/* The motion at a switch. */
+static adams_pair at_switch(const struct switch_found *f)
+{
+    return (adams_pair){0.0, -f->rate};
+}
+
+/* The rule falls short by this at the end `to` of a tick with the switch f. At the time s from there, inside
+ * contact, the contact's part of g is to the second order
  *
  *     -stiffness hertz ((|eta'| s)^1.5 + 3/4 eta'' |eta'|^0.5 s^2.5) */
-NEVER_INLINE adams_pair lack_of(const struct adams *s, adams_pair from, adams_pair to, double stiffness,
-                                double done, unsigned regime)
+NEVER_INLINE adams_pair lack_of(const struct adams *s, const struct switch_found *f, adams_pair to,
+                                double stiffness, unsigned regime)
 {
-    const struct input g0 = gap_of(from), g1 = gap_of(to);
     bool touch = !(regime & 1u);
-    double h = s->h, left = 1.0 - done / h;
-    if (!(done >= 0.0 && done < h) || (to[ADAMS_PLACE] > 0.0) != touch)
+    double h = s->h, left = 1.0 - f->done / h;
+    if (!(f->done >= 0.0 && f->done < h) || (to[ADAMS_PLACE] > 0.0) != touch)
         return (adams_pair){0.0, 0.0};
     const struct adams_remainder r = adams_remainder(touch ? left : 1.0 - left);
-    double way = fabs(switch_rate(&g0, &g1, h, done)) * h, bend = -switch_bend(&g0, &g1, h, done) * (h * h);
+    double way = fabs(f->rate) * h, bend = -f->bend * (h * h);
     double push = -(stiffness * s->form.hertz) * sqrt(way) * h;
     double rate = push * (way * r.of_force + 0.75 * (bend * r.of_force_by_s));
     double by_s = push * (way * r.of_force_by_s);
@@ -321,8 +315,8 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
 /* ---- the step ---- */
 
 /* One tick, or a part of one, which leaves no past: s->m and the books go to its end, and x too. Returns the
- * switch in it, or -1. */
-static double take(struct adams *s, const struct segment *e, unsigned regime, double *x)
+ * switch in it, as by seek. */
+static struct switch_found take(struct adams *s, const struct segment *e, unsigned regime, double *x)
 {
     struct phasor turn[MODEL_INPUTS];
     if (e->changed || s->known == 0 || e->active != s->active || !stands(s, x))
@@ -330,24 +324,25 @@ static double take(struct adams *s, const struct segment *e, unsigned regime, do
     const struct adams_motion begin = s->m;
     s->from = begin.at;
     s->from_contact = begin.contact;
-    double done, stiffness = stiffness_at(s, e->at[2]);
+    double stiffness = stiffness_at(s, e->at[2]);
+    struct switch_found f;
     if (s->known == ADAMS_NODES && e->length == s->h) {
         phasors_of(s, e, turn);
         advance(s, turn, stiffness, s->on, s->n_on, &begin, &s->m);
-        done = seek(begin.at, s->m.at, e->length, regime);
-        adams_pair lack = lack_of(s, begin.at, s->m.at, stiffness, done, regime);
+        f = seek(begin.at, s->m.at, e->length, regime);
+        adams_pair lack = lack_of(s, &f, s->m.at, stiffness, regime);
         s->m.at += lack;
         s->m.without += lack;
     } else {
         step_alone(s, e);
-        done = seek(begin.at, s->m.at, e->length, regime);
+        f = seek(begin.at, s->m.at, e->length, regime);
     }
     if (e->length != s->h)
         s->known = 0;
     const struct adams_rule rule = rule_of(e->length);
     book_any(s, &rule, e->length, e->at[2], &begin.begun, &s->m, &s->books[0]);
     state_of(s, e->at[2], s->m.at, s->kind, x);
-    return done;
+    return f;
 }
 
 /* s->m is beyond a switch: x becomes the state there, and the rest of the tick waits for the next call. */
@@ -364,18 +359,18 @@ static void stop_at(struct adams *s, const struct segment *e, double done, adams
     s->books[0] = (struct method_books){.force = 0.0};
 }
 
-/* The motion from s->from to the end of e: to the switch `done` in it, or to its end. The energies of a tick
- * are booked at its end. */
-static enum step_status tell(struct adams *s, const struct segment *e, double done, double *x,
-                             struct crossing *c)
+/* The motion from s->from to the end of e: to the switch f in it, or to its end. The energies of a tick are
+ * booked at its end. */
+static enum step_status tell(struct adams *s, const struct segment *e, const struct switch_found *f,
+                             double *x, struct crossing *c)
 {
     adams_pair a = s->from, to = s->m.at;
-    double length = e->length, contact = s->m.contact;
+    double length = e->length, done = f->done, contact = s->m.contact;
     s->left = 0.0;
     if (done >= 0.0) {
         *c = (struct crossing){done, 0, 0, 0.0};
         if (done < length) {
-            to = (adams_pair){0.0, rate_at(a, to, length, done)};
+            to = at_switch(f);
             stop_at(s, e, done, to, x);
         }
         length = done;
@@ -402,10 +397,11 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     if (s->left > 0.0 && e->length == s->left && stands(s, x)) {
         memcpy(x, s->end, sizeof s->end);
         s->books[0] = s->kept;
-        return tell(s, e, seek(s->from, s->m.at, e->length, regime), x, c);
+        const struct switch_found next = seek(s->from, s->m.at, e->length, regime);
+        return tell(s, e, &next, x, c);
     }
-    double done = take(s, e, regime, x);
-    return inside(s->m.at, DBL_MAX) ? tell(s, e, done, x, c) : STEP_NOT_FINITE;
+    const struct switch_found f = take(s, e, regime, x);
+    return inside(s->m.at, DBL_MAX) ? tell(s, e, &f, x, c) : STEP_NOT_FINITE;
 }
 
 static step_function *bind(const struct model *m)
@@ -460,12 +456,12 @@ NEVER_INLINE bool take_turn(struct adams *s, struct turn *t, struct method_books
     double h = s->h;
     if (!inside(t->to, METHOD_STATE_LIMIT))
         return false;
-    double done = seek(from, t->to, h, t->regime);
-    if (done >= 0.0) {
-        adams_pair lack = lack_of(s, from, t->to, t->stiffness, done, t->regime);
+    const struct switch_found f = seek(from, t->to, h, t->regime);
+    if (f.done >= 0.0) {
+        adams_pair at = at_switch(&f), lack = lack_of(s, &f, t->to, t->stiffness, t->regime);
+        double done = f.done;
         t->to += lack;
         t->without += lack;
-        const adams_pair at = {0.0, rate_at(from, t->to, h, done)};
         if (done >= h || suspected(at, t->to, h - done, t->regime ^ 1u))
             return false;
         double begin = fabs(s->force_unit * t->begin);
