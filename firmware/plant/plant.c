@@ -693,7 +693,7 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
     struct ticks t = ticks_from(&q->b, q->done);
     unsigned drives = q->turning;
     for (int i = 0; drives != 0; i++, drives >>= 1) {
-        const struct drive d = pl->drive[i]; /* what turns does not change with it */
+        const struct drive d = pl->drive[i]; /* a copy: registers hold it */
         const struct wave w = pl->segment.wave[i];
         for (uint32_t k = 0; (drives & 1u) && k < n; k++)
             drive_turn(&d, &w, &t.at[2 * k][i], &t.phasor[k][i], 1);
