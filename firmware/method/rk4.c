@@ -157,8 +157,20 @@ static step_function *bind(const struct model *m)
 /* Several ticks in one call need a second copy of each row. A board without vector registers has no room for
  * it; there all ticks are single steps. */
 #if TICK_LANES > 1
+/* A contact is not as in `regime` at the end. */
+ALWAYS_INLINE bool switched(struct inlined m, const double *p, const struct input *u, unsigned regime,
+                            const double *x)
+{
+    struct input gap[MODEL_CONTACTS];
+    bool any = false;
+    m.gap(p, u, x, gap);
+    for (int i = 0; i < m.n_contacts; i++)
+        any |= (gap[i].value < 0.0) != (((regime >> i) & 1u) != 0);
+    return any;
+}
+
 /* The state stays in registers from tick to tick. */
-ALWAYS_INLINE uint32_t run(struct inlined m, const double *p, const struct method_block *b,
+ALWAYS_INLINE uint32_t run(struct inlined m, bool located, const double *p, const struct method_block *b,
                            const struct input (*at)[MODEL_INPUTS], double (*to)[MODEL_STATES], uint32_t n)
 {
     double x[MODEL_STATES], x1[MODEL_STATES], h = b->length;
@@ -168,7 +180,9 @@ ALWAYS_INLINE uint32_t run(struct inlined m, const double *p, const struct metho
         x[i] = to[0][i];
     for (uint32_t k = 0; k < n; k++, at += 2) {
         advance(m, p, h, at[first], at[1], at[2], x, x1);
-        if (!inside(x1, m.n, METHOD_STATE_LIMIT) || suspected(m, p, h, at[first], at[2], regime, x, x1))
+        if (!inside(x1, m.n, METHOD_STATE_LIMIT))
+            return k;
+        if (located ? suspected(m, p, h, at[first], at[2], regime, x, x1) : switched(m, p, at[2], regime, x1))
             return k;
         to++;
         for (int i = 0; i < m.n; i++)
@@ -182,11 +196,30 @@ static uint32_t run_general(const struct model *m, const double *p, double *scra
                             double (*x)[MODEL_STATES], uint32_t n)
 {
     (void)scratch;
-    return run(through_pointers(m), p, b, at, x, n);
+    return run(through_pointers(m), true, p, b, at, x, n);
 }
 
-#define DECLARE_RUN(name, ...) static run_function run_##name;
+static uint32_t through_general(const struct model *m, const double *p, double *scratch,
+                                const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                                double (*x)[MODEL_STATES], uint32_t n)
+{
+    (void)scratch;
+    return run(through_pointers(m), false, p, b, at, x, n);
+}
+
+#define DECLARE_RUN(name, ...) static run_function run_##name, through_##name;
 INSTANCES(DECLARE_RUN)
+
+#define TICKS(kind, located, name, jumps, states, contacts, rhs, gap)                                        \
+    CALLED_FROM_ANYWHERE uint32_t kind##_##name(                                                             \
+        const struct model *m, const double *p, double *scratch, const struct method_block *b,               \
+        const struct input(*at)[MODEL_INPUTS], double(*x)[MODEL_STATES], uint32_t n)                         \
+    {                                                                                                        \
+        unsigned active = b->active;                                                                         \
+        (void)m, (void)scratch, (void)active;                                                                \
+        jumps;                                                                                               \
+        return run((struct inlined){rhs, gap, states, contacts}, located, p, b, at, x, n);                   \
+    }
 
 #undef JUMP
 #define JUMP(row, when)                                                                                      \
@@ -194,16 +227,17 @@ INSTANCES(DECLARE_RUN)
         return run_##row(m, p, scratch, b, at, x, n);
 
 #define RUN(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
-    CALLED_FROM_ANYWHERE uint32_t run_##name(                                                                \
-        const struct model *m, const double *p, double *scratch, const struct method_block *b,               \
-        const struct input(*at)[MODEL_INPUTS], double(*x)[MODEL_STATES], uint32_t n)                         \
-    {                                                                                                        \
-        unsigned active = b->active;                                                                         \
-        (void)m, (void)scratch, (void)active;                                                                \
-        jumps;                                                                                               \
-        return run((struct inlined){rhs, gap, states, contacts}, p, b, at, x, n);                            \
-    }
+    TICKS(run, true, name, jumps, states, contacts, rhs, gap)
 INSTANCES(RUN)
+
+#undef JUMP
+#define JUMP(row, when)                                                                                      \
+    if (when)                                                                                                \
+        return through_##row(m, p, scratch, b, at, x, n);
+
+#define RUN_THROUGH(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                      \
+    TICKS(through, false, name, jumps, states, contacts, rhs, gap)
+INSTANCES(RUN_THROUGH)
 
 static run_function *bind_run(const struct model *m, const double *scratch)
 {
@@ -214,8 +248,24 @@ static run_function *bind_run(const struct model *m, const double *scratch)
     INSTANCES(BIND_RUN)
     return run_general;
 }
+
+static run_function *bind_through(const struct model *m, const double *scratch)
+{
+    (void)scratch;
+#define BIND_THROUGH(name, for_models, ...)                                                                  \
+    if (for_models)                                                                                          \
+        return through_##name;
+    INSTANCES(BIND_THROUGH)
+    return through_general;
+}
 #else
 static run_function *bind_run(const struct model *m, const double *scratch)
+{
+    (void)m, (void)scratch;
+    return NULL;
+}
+
+static run_function *bind_through(const struct model *m, const double *scratch)
 {
     (void)m, (void)scratch;
     return NULL;
@@ -314,4 +364,5 @@ const struct method rk4_unlocated = {
     .refuse = refuse_unlocated,
     .prepare = prepare,
     .bind = bind_unlocated,
+    .bind_run = bind_through,
 };

@@ -51,6 +51,15 @@ void segment_head(const struct segment *e, int n_inputs, double length, struct s
     }
 }
 
+/* The wave begins `done` later, where its phasor is (cosine, sine). */
+static void pass(struct wave *w, double done, double cosine, double sine)
+{
+    w->cosine = cosine;
+    w->sine = sine;
+    w->offset += w->slope * done;
+    w->amplitude += w->growth * done;
+}
+
 /* Input i of what is left from `done` on. */
 static void tail(struct segment *e, int i, double done)
 {
@@ -59,10 +68,7 @@ static void tail(struct segment *e, int i, double done)
     turn(w, done, &cosine, &sine);
     input_at(w, done, cosine, sine, &e->at[0][i]);
     wave_at(w, done + 0.5 * left, &e->at[1][i]);
-    w->cosine = cosine;
-    w->sine = sine;
-    w->offset += w->slope * done;
-    w->amplitude += w->growth * done;
+    pass(w, done, cosine, sine);
 }
 
 static void begin_at(struct segment *e, double done)
@@ -80,11 +86,29 @@ void segment_tail(struct segment *e, int n_inputs, double done)
     begin_at(e, done);
 }
 
+/* Nothing is left: the inputs at the end are known, and only the phasors are turned. */
+static void end_at(struct segment *e, int n_inputs, struct segment *head)
+{
+    for (int i = 0; i < n_inputs; i++) {
+        struct wave *w = &e->wave[i];
+        double cosine, sine;
+        for (int k = 0; k < 3; k++)
+            head->at[k][i] = e->at[k][i];
+        if (!((e->active >> i) & 1u))
+            continue;
+        turn(w, e->length, &cosine, &sine);
+        pass(w, e->length, cosine, sine);
+        e->at[0][i] = e->at[1][i] = e->at[2][i];
+    }
+}
+
 void segment_cut(struct segment *e, int n_inputs, double done, struct segment *head)
 {
     head->length = done;
     head->active = e->active;
-    for (int i = 0; i < n_inputs; i++) {
+    if (done == e->length)
+        end_at(e, n_inputs, head);
+    for (int i = 0; done < e->length && i < n_inputs; i++) {
         for (int k = 0; k < 3; k++)
             head->at[k][i] = e->at[k][i];
         if (!((e->active >> i) & 1u))

@@ -316,7 +316,8 @@ NEVER_INLINE bool integrate_rest(struct plant *pl, const struct origin *begin, e
             pl->counts.pieces_max = piece;
         if (status != STEP_END)
             continue;
-        book_piece(pl, e, x0);
+        if (e->length > 0.0 || pl->books != BOOKS_OF_LEDGER) /* where powers move nothing */
+            book_piece(pl, e, x0);
         e->changed = changed; /* its pieces say so because they begin inside it */
         pl->counts.budget += last;
         if (last)
@@ -520,12 +521,14 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, const struct samples *
     if (pl->books == BOOKS_OF_LEDGER)
         ledger_begin(&pl->ledger, pl->p, e, e->at[2], pl->x);
     uint32_t filled = n < BLOCK_TICKS ? n : BLOCK_TICKS;
+    memset(b->at, 0, (2 * filled + 1) * sizeof b->at[0]);
     for (int i = 0; i < pl->model->n_inputs; i++) {
+        bool stands = ((e->active & ~q->turning) >> i) & 1u;
         b->at[0][i] = e->at[2][i];
         b->phasor[0][i] = (struct phasor){pl->drive[i].cosine, pl->drive[i].sine};
-        for (uint32_t k = 1; k <= 2 * filled && !((q->turning >> i) & 1u); k++)
+        for (uint32_t k = 1; k <= 2 * filled && stands; k++)
             b->at[k][i] = e->at[2][i];
-        for (uint32_t k = 1; k <= filled && (((e->active & ~q->turning) >> i) & 1u); k++)
+        for (uint32_t k = 1; k <= filled && stands; k++)
             b->phasor[k][i] = b->phasor[0][i];
     }
     return n;
