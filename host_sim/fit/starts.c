@@ -1,8 +1,6 @@
 /* starts.c - see starts.h.
  *
- * The first start is that of the linear form. The smallest curve leaves one direction of the unknowns nearly
- * free, for a rig the one that keeps its linear stiffness. Fits begin at the best places along this line, and
- * beside them. */
+ * Fits begin at the places that places.c finds, and then beside the best end of these. */
 #include "host_sim/fit/starts.h"
 #include "host_sim/fit/solve/unknown.h"
 
@@ -10,132 +8,33 @@
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/cli/clock.h"
-#include "host_sim/fit/levers.h"
 #include "host_sim/fit/noise.h"
+#include "host_sim/fit/places.h"
 #include "host_sim/fit/solve/problem_levers.h"
 #include "host_sim/fit/progress.h"
 #include "host_sim/fit/sequence.h"
+#include "host_sim/fit/thin.h"
 
-enum { LINE = 41, LINE_UNSEEN = 9, MINIMA = 4 };
-static const double line_most = 2.3; /* a factor of 10 */
-static const double line_least = 0.05;
-static const double line_unseen = 1.4; /* a factor of 4 */
-static const double unseen = 1e-6;     /* share of the largest slope: rounding */
-static const double deviations = 20.0; /* deviations of the weak direction, along the line */
-static const double beside = 0.2;      /* further starts, from the best place */
+static const double beside = 0.2; /* further starts, from the best end of the first ones */
 static const double narrow_sd = 10.0;
-static const double passed_by = 0.1; /* cost and every unknown: two fits that have come to one place */
-static const double same_u = 1.0;    /* in standard deviations: one minimum */
-static const double same_chi2 = 4.0; /* another minimum as good, to two standard deviations */
+static const double passed_by = 0.1;   /* cost and every unknown: two fits that have come to one place */
+static const double worse_by = 10.0;   /* times the best cost of some points: no second fit follows */
+static const double same_u = 1.0;      /* in standard deviations: one minimum */
+static const double same_place = 1e-3; /* and so near it is one plant, however narrow its minimum is */
+static const double same_chi2 = 4.0;   /* another minimum as good, to two standard deviations */
 
-/* Lengths on which the smallest curve does not depend, as gaps that it does not close: all of them together.
- */
-static bool unseen_direction(const struct fit_setup *s, int m, const double *a, double *direction)
-{
-    double most = 0.0;
-    bool any = false;
-    for (int i = 0; i < m * s->n; i++)
-        most = fmax(most, fabs(a[i]));
-    for (int k = 0; k < s->n && m; k++) {
-        bool seen = s->unknown[k].kind != FIT_PARAMETER || strcmp(s->unknown[k].unit, "m") != 0;
-        for (int i = 0; i < m && !seen; i++)
-            seen = fabs(a[i * s->n + k]) > unseen * most;
-        direction[k] = !seen;
-        any = any || !seen;
-    }
-    return any;
-}
-
-/* The direction in which the smallest curve says least, its largest component 1. Returns how far to look, at
- * *points places. */
-static double weak_direction(struct fit_setup *s, const double *u, double *direction, int *points)
-{
-    struct problem p = {s, PROBLEM_LINEAR};
-    double value[MATRIX_MAX], v[MATRIX_MAX][MATRIX_MAX], most = 0.0;
-    int m = problem_size(s, PROBLEM_LINEAR), n = s->n;
-    double *a = calloc((size_t)m * (size_t)n + 1, sizeof *a);
-    if (!a)
-        return 0.0;
-    problem_slopes(&p, u, a);
-    if (unseen_direction(s, m, a, direction)) {
-        free(a);
-        *points = LINE_UNSEEN;
-        return line_unseen;
-    }
-    int chain = 0;
-    for (int k = 0; k < n; k++) {
-        chain += s->unknown[k].kind != FIT_PARAMETER;
-        for (int i = 0; i < m && s->unknown[k].kind != FIT_PARAMETER; i++)
-            a[i * n + k] = 0.0;
-    }
-    matrix_singular(m, n, a, value, v);
-    free(a);
-    int weak = n - 1 - chain;
-    if (weak < 0)
-        return 0.0;
-    for (int k = 0; k < n; k++)
-        most = fmax(most, fabs(v[k][weak]));
-    for (int k = 0; k < n; k++)
-        direction[k] = v[k][weak] / most;
-    return fmin(line_most, fmax(line_least, value[weak] > 0.0 ? deviations / value[weak] : line_most));
-}
-
-/* The states in which records begin, for a plant that is given. */
-static void adjust_starts(struct fit_setup *s, double *u)
-{
-    int steps;
-    s->only_starts = true;
-    if (s->records.n)
-        (void)problem_solve(s, PROBLEM_RECORDS, u, &steps);
-    s->only_starts = false;
-}
-
-/* Up to MINIMA of the best places along the line, the best first, into place[]. Returns how many. */
-static int search_line(struct fit_setup *s, const double *u, double (*place)[FIT_UNKNOWNS])
-{
-    struct problem p = {s, PROBLEM_ROBUST};
-    double direction[FIT_UNKNOWNS] = {0.0}, cost[LINE], at[LINE][FIT_UNKNOWNS];
-    int points = LINE;
-    double reach = weak_direction(s, u, direction, &points);
-    double *r = calloc((size_t)s->n_residuals + 1, sizeof *r);
-    int n = 0;
-    for (int i = 0; r && i < points; i++) {
-        for (int k = 0; k < s->n; k++)
-            at[i][k] = u[k] + reach * direction[k] * (2.0 * i / (points - 1) - 1.0);
-        adjust_starts(s, at[i]);
-        cost[i] = problem_residuals(&p, at[i], r);
-        progress_tell(s, "looks for starts", i + 1, points);
-    }
-    for (bool found = r; found && n < MINIMA;) {
-        int best = -1;
-        for (int i = 0; i < points; i++) {
-            bool low = isfinite(cost[i]) && (i == 0 || !(cost[i - 1] < cost[i])) &&
-                       (i == points - 1 || !(cost[i + 1] < cost[i]));
-            best = low && (best < 0 || cost[i] < cost[best]) ? i : best;
-        }
-        found = best >= 0;
-        if (found) {
-            memcpy(place[n++], at[best], sizeof at[best]);
-            for (int i = best > 0 ? best - 1 : 0; i <= best + 1 && i < points; i++)
-                cost[i] = i == best ? HUGE_VAL : cost[i];
-        }
-    }
-    free(r);
-    return n;
-}
-
-/* Further starts: each unknown of the best place is moved one way or the other. A lever's resonance is
- * narrow: there the move is no longer than some standard deviations. */
-static void add_beside(struct fit_setup *s, double (*place)[FIT_UNKNOWNS], int n)
+/* Further starts: each unknown of the best end is moved one way or the other. A lever's resonance is narrow:
+ * there the move is no longer than some standard deviations. */
+static void add_beside(struct fit_setup *s, double (*place)[FIT_UNKNOWNS], const double *end, int n)
 {
     struct fit_result r = {.chi2 = 0.0};
-    memcpy(r.u, place[0], sizeof r.u);
+    memcpy(r.u, end, sizeof r.u);
     bool narrow = s->levers.n && starts_spread(s, &r);
     for (int i = n; i < FIT_STARTS; i++)
         for (int k = 0; k < s->n; k++) {
             double by = narrow ? fmin(beside, narrow_sd * r.sd[k]) : beside;
-            double moved = place[0][k] + ((i - n) >> k & 1 ? -by : by);
-            place[i][k] = s->unknown[k].kind == FIT_PARAMETER ? moved : place[0][k];
+            double moved = r.u[k] + ((i - n) >> k & 1 ? -by : by);
+            place[i][k] = s->unknown[k].kind == FIT_PARAMETER ? moved : r.u[k];
         }
 }
 
@@ -178,60 +77,111 @@ bool starts_spread(struct fit_setup *s, struct fit_result *r)
 struct ends {
     double robust[FIT_STARTS], passed[FIT_STARTS][FIT_UNKNOWNS]; /* cost and place of the robust form */
     double chi2[FIT_STARTS];
-    int best; /* or -1 */
+    int best;              /* or -1 */
+    struct fit_setup *few; /* with some points, for a first fit; or NULL */
+    double few_cost[FIT_STARTS], few_end[FIT_STARTS][FIT_UNKNOWNS];
 };
 
-/* The start before i that has come by the same place, or -1. */
-static int came_by(const struct fit_setup *s, const struct ends *e, int i)
+/* The largest difference of two places. */
+static double apart(const struct fit_setup *s, const double *a, const double *b)
 {
-    for (int b = 0; b < i; b++) {
-        double off = fabs(e->robust[b] - e->robust[i]);
-        for (int k = 0; k < s->n; k++)
-            off = fmax(off, fabs(e->passed[b][k] - e->passed[i][k]));
-        if (off < passed_by)
+    double off = 0.0;
+    for (int k = 0; k < s->n; k++)
+        off = fmax(off, fabs(a[k] - b[k]));
+    return off;
+}
+
+/* The start before i that has come by the same place, or -1. */
+static int came_by(const struct fit_setup *s, const double *cost, double (*passed)[FIT_UNKNOWNS], int i)
+{
+    for (int b = 0; b < i; b++)
+        if (fabs(cost[b] - cost[i]) < passed_by && apart(s, passed[b], passed[i]) < passed_by)
             return b;
-    }
     return -1;
 }
 
+/* Start i ends where start b did. */
+static double end_with(struct ends *e, int i, int b, double (*place)[FIT_UNKNOWNS])
+{
+    e->robust[i] = e->robust[b];
+    memcpy(e->passed[i], e->passed[b], sizeof e->passed[i]);
+    memcpy(place[i], place[b], sizeof place[i]);
+    return e->chi2[b];
+}
+
+/* A first fit to some points. True: it shows where start i ends, at cost *chi2. */
+static bool fit_few(const struct fit_setup *s, struct ends *e, int i, double (*place)[FIT_UNKNOWNS],
+                    double *chi2)
+{
+    int steps;
+    e->few_cost[i] = problem_solve(e->few, PROBLEM_ROBUST, place[i], &steps);
+    memcpy(e->few_end[i], place[i], sizeof e->few_end[i]);
+    int before = came_by(s, e->few_cost, e->few_end, i);
+    bool hopeless =
+        e->best >= 0 && e->few_cost[i] > fmax(worse_by * e->few_cost[e->best], e->chi2[e->best] + same_chi2);
+    if (before >= 0)
+        *chi2 = end_with(e, i, before, place);
+    else if (hopeless)
+        *chi2 = e->robust[i] = e->few_cost[i];
+    if (hopeless)
+        memcpy(e->passed[i], place[i], sizeof e->passed[i]);
+    return before >= 0 || hopeless;
+}
+
 /* The fit from place i: curves enter in the order of their drives. One that comes by an earlier one's place
- * ends with that, and one that is worse than the best fit even in the robust form ends there. */
+ * ends with that. One that is worse than the best fit even in the robust form ends there, unless it is near.
+ */
 static double fit_from(struct fit_setup *s, struct ends *e, int i, double (*place)[FIT_UNKNOWNS])
 {
     int steps, all = s->data.n;
-    for (s->n_active = all < 2 ? all : 2; s->n_active <= all; s->n_active++)
+    double chi2;
+    if (e->few && fit_few(s, e, i, place, &chi2))
+        return chi2;
+    for (s->n_active = all < 2 || e->few ? all : 2; s->n_active <= all; s->n_active++)
         e->robust[i] = problem_solve(s, PROBLEM_ROBUST, place[i], &steps);
     s->n_active = all;
     memcpy(e->passed[i], place[i], sizeof e->passed[i]);
-    int before = came_by(s, e, i);
-    if (before >= 0) {
-        memcpy(place[i], place[before], sizeof place[i]);
-        return e->chi2[before];
-    }
-    if (e->best >= 0 && e->robust[i] > e->chi2[e->best] + same_chi2)
+    int before = came_by(s, e->robust, e->passed, i);
+    if (before >= 0)
+        return end_with(e, i, before, place);
+    if (e->best >= 0 && e->robust[i] > e->chi2[e->best] + same_chi2 &&
+        apart(s, place[i], place[e->best]) > passed_by)
         return e->robust[i];
     return problem_solve(s, PROBLEM_PLAIN, place[i], &steps);
 }
 
-/* Which of the ends agree with the best one, by its own spread. */
+/* Which of the ends agree with the best one: by its own spread, or as the same plant. */
 static void compare_ends(const struct fit_setup *s, struct fit_result *r, double (*end)[FIT_UNKNOWNS],
                          const double *chi2)
 {
     for (int i = 0; i < r->starts; i++) {
         double off = 0.0;
         for (int k = 0; k < s->n; k++)
-            off = fmax(off, fabs(end[i][k] - r->u[k]) / r->sd[k]);
+            off = fmax(off, fabs(end[i][k] - r->u[k]) / fmax(r->sd[k], same_place / same_u));
         r->agree += off < same_u;
         r->worse += off >= same_u && chi2[i] > r->chi2 + same_chi2;
     }
 }
 
-/* Fits from every place until the user stops: the fit that was going on then is none. */
-static void fit_all(struct fit_setup *s, struct fit_result *r, struct ends *e, double (*place)[FIT_UNKNOWNS])
+/* Behind the first n places: those of what the best end does not see, or beside it. */
+static void add_further(struct fit_setup *s, struct ends *e, double (*place)[FIT_UNKNOWNS], int n)
 {
-    e->best = -1;
+    double end[FIT_UNKNOWNS];
+    memcpy(end, place[e->best < 0 ? 0 : e->best], sizeof end);
+    if (e->few)
+        n += places_unseen(e->few, end, FIT_STARTS - n < PLACES ? FIT_STARTS - n : PLACES, &place[n]);
+    add_beside(s, place, end, n);
+}
+
+/* Fits from the first n places and beside them until the user stops: the fit that was going on then is none.
+ */
+static void fit_all(struct fit_setup *s, struct fit_result *r, struct ends *e, double (*place)[FIT_UNKNOWNS],
+                    int n)
+{
     for (; r->starts < FIT_STARTS; r->starts++) {
         int i = r->starts;
+        if (i == n)
+            add_further(s, e, place, n);
         e->chi2[i] = fit_from(s, e, i, place);
         if (clock_interrupted())
             break;
@@ -263,23 +213,16 @@ static bool look(struct fit_setup *s, struct fit_result *r)
 
 bool starts_fit(struct fit_setup *s, struct fit_result *r)
 {
-    double u[FIT_UNKNOWNS], place[FIT_STARTS][FIT_UNKNOWNS];
-    struct ends e;
-    int steps;
+    double place[FIT_STARTS][FIT_UNKNOWNS];
+    struct fit_setup few;
+    struct ends e = {.best = -1};
     *r = (struct fit_result){.chi2 = HUGE_VAL};
-    for (int k = 0; k < s->n; k++)
-        u[k] = unknown_u(&s->unknown[k], s->unknown[k].start);
-    s->n_active = s->data.n;
-    if (s->levers.n)
-        levers_start(s, u);
-    else
-        (void)problem_solve(s, PROBLEM_LINEAR, u, &steps);
-    memcpy(place[0], u, sizeof place[0]);
-    int n = s->levers.n ? 1 : search_line(s, u, place);
-    if (!n)
-        return false;
-    add_beside(s, place, n);
-    fit_all(s, r, &e, place);
+    int n = places_find(s, &few, place);
+    e.few = few.n ? &few : NULL;
+    if (n)
+        fit_all(s, r, &e, place, n);
+    if (few.n)
+        thin_free(&few);
     if (e.best < 0)
         return false;
     memcpy(r->u, place[e.best], sizeof r->u);

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-enum { SETTLE_PERIODS = 64, SETTLE_ROUNDS = 4 }; /* each twice as long as the one before */
-static const double narrow = 1e-5;               /* the shortest step, over the frequency */
+enum { SETTLE_PERIODS = 32, SETTLE_ROUNDS = 5, SETTLE_HASTY = 2 }; /* each twice as long as the one before */
+static const double narrow = 1e-5;                                 /* the shortest step, over the frequency */
 static const double arrived = 0.1; /* a motion that has settled is so near to its orbit, of its size */
 
 /* The difference of two motions over the size of the larger one. */
@@ -31,16 +31,16 @@ static bool find_stable(struct orbit_task *t, const struct orbit *from, double f
 static bool advance(struct orbit_task *t, struct orbit *o, double to_Hz)
 {
     struct orbit next;
-    double step = to_Hz - o->frequency_Hz;
+    double step = to_Hz - o->frequency_Hz, change = t->hasty ? HUGE_VAL : FOLLOW_CHANGE;
     while (o->frequency_Hz < to_Hz || o->frequency_Hz > to_Hz) {
         double left = to_Hz - o->frequency_Hz;
         bool last = fabs(step) >= fabs(left);
-        if (find_stable(t, o, last ? to_Hz : o->frequency_Hz + step, FOLLOW_CHANGE, &next)) {
+        if (find_stable(t, o, last ? to_Hz : o->frequency_Hz + step, change, &next)) {
             *o = next;
             step *= 2.0;
         } else {
             step = 0.5 * (last ? left : step);
-            if (fabs(step) < narrow * to_Hz)
+            if (t->hasty || fabs(step) < narrow * to_Hz)
                 return false;
         }
     }
@@ -50,7 +50,7 @@ static bool advance(struct orbit_task *t, struct orbit *o, double to_Hz)
 /* Lets the plant run at o->frequency_Hz until it is near a stable motion, which *o becomes. */
 static bool settle(struct orbit_task *t, struct orbit *o)
 {
-    for (int i = 0; i < SETTLE_ROUNDS; i++) {
+    for (int i = 0; i < (t->hasty ? SETTLE_HASTY : SETTLE_ROUNDS); i++) {
         struct orbit settled;
         if (!orbit_settle(t, o, SETTLE_PERIODS << i))
             return false;

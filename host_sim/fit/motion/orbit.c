@@ -10,15 +10,16 @@
 #include "models/math/elementary.h"
 
 enum {
-    NEWTON_STEPS = 16,
-    CONTACT_TICKS = 8, /* in a period of the contact, for the output */
+    NEWTON_STEPS = 10,
+    CONTACT_TICKS = 2, /* in a period of the contact, for the output: its tone stays apart from the drive's */
     FINE = 4,          /* so many times that for a method whose error depends on its step */
     TICKS_MOST = 4096
 };
 static const double nudge = 1e-4; /* share of a unit, for slopes over the state */
 static const double nudge_rough = 1e-6;
-static const double closed = 1e-9; /* an orbit that misses its begin by this share of its size is closed */
-static const double near = 1e-3;   /* so near to an orbit its map is known well enough */
+static const double closed = 1e-9;   /* an orbit that misses its begin by this share of its size is closed */
+static const double near = 1e-3;     /* so near to an orbit its map is known well enough */
+static const double diverges = 10.0; /* a miss that grows by this over the smallest: there is no orbit near */
 static const double floor_of = 1e-13;
 
 /* A plant at one frequency. */
@@ -222,6 +223,7 @@ bool orbit_find(struct orbit_task *t, struct orbit *o)
 {
     struct period q;
     double rest[MODEL_STATES], unit[MODEL_STATES], to[MODEL_STATES], miss[MODEL_STATES], step[MODEL_STATES];
+    double least = HUGE_VAL;
     int n = t->model->n_states;
     bool mapped = false;
     if (set_up(t, o->frequency_Hz, &q))
@@ -232,6 +234,9 @@ bool orbit_find(struct orbit_task *t, struct orbit *o)
             return false;
         double error = miss_of(n, o, to, rest, unit, miss);
         bool ends = error <= closed;
+        if (!(error < diverges * least))
+            return false;
+        least = fmin(least, error);
         if ((!mapped || error > near) && !find_map(t, &q, o, to, unit))
             return false;
         mapped = true;

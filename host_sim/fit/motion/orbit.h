@@ -23,6 +23,7 @@ struct orbit_task {
     double si[MODEL_PARAMETERS];
     double amplitude; /* amplitude of the drive, the input's unit */
     uint64_t periods; /* that were computed so far */
+    bool hasty;       /* to a neighbour in one step, and what settles slowly is no motion: for a first look */
     bool to_the_end;  /* runs go on after the user's wish to stop: what was found is told */
 };
 

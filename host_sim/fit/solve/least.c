@@ -22,16 +22,22 @@ static bool make_room(const struct least *l, struct work *w)
     return w->r && w->a;
 }
 
-/* Columns of unit size, and their singular directions. */
+/* Columns of unit size, and their singular directions. One that is rounding becomes 0: its unknown stays. */
 static void decompose(const struct least *l, struct work *w)
 {
+    double most = 0.0;
     for (int k = 0; k < l->n; k++) {
         double sum = 0.0;
         for (int i = 0; i < l->m; i++)
             sum += w->a[i * l->n + k] * w->a[i * l->n + k];
-        w->size[k] = sum > 0.0 ? sqrt(sum) : 1.0;
+        w->size[k] = sqrt(sum);
+        most = fmax(most, w->size[k]);
+    }
+    for (int k = 0; k < l->n; k++) {
+        bool seen = w->size[k] > LEAST_UNSEEN * most;
+        w->size[k] = seen ? w->size[k] : 1.0;
         for (int i = 0; i < l->m; i++)
-            w->a[i * l->n + k] /= w->size[k];
+            w->a[i * l->n + k] = seen ? w->a[i * l->n + k] / w->size[k] : 0.0;
     }
     matrix_singular(l->m, l->n, w->a, w->s, w->v);
 }

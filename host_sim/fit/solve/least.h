@@ -5,6 +5,9 @@
 #include <stdbool.h>
 #include "host_sim/fit/solve/matrix.h"
 
+/* An unknown whose slopes are below this share of the largest ones stays: they are rounding. */
+#define LEAST_UNSEEN 1e-5
+
 struct least {
     int m, n; /* residuals and unknowns, n <= MATRIX_MAX */
     void *context;

@@ -12,11 +12,11 @@
 static const double nudge = 1e-4;              /* step of u, for slopes */
 static const double rough = 1e-3, fine = 1e-9; /* share of the cost: the last step */
 
-enum { STEPS_MOST = 40 };
+enum { STEPS_MOST = 40, STEPS_HASTY = 12 };
 
 /* ---- residuals ---- */
 
-/* The linear form takes the smallest curve, or else two numbers of each free motion. */
+/* The linear form takes the curves of the smallest drive, or else two numbers of each free motion. */
 static int size_of(const struct problem *p)
 {
     int m = 0;
@@ -94,7 +94,7 @@ double problem_solve(struct fit_setup *s, enum problem_form form, double *u, int
                       .context = &p,
                       .residuals = problem_residuals,
                       .slopes = problem_slopes,
-                      .steps = STEPS_MOST,
+                      .steps = s->task.hasty ? STEPS_HASTY : STEPS_MOST,
                       .smaller = form == PROBLEM_ROBUST ? rough : fine};
     l.m = size_of(&p);
     for (int k = 0; k < s->n; k++) {

@@ -1,10 +1,10 @@
 /* problem.h - the residuals of a fit and their slopes, in three forms.
  *
- * PROBLEM_LINEAR: the plant linear about its rest, against the smallest curve. A residual is data over model
- * less 1, which is linear in mass, damping and stiffness, so that a start far away leads home, too.
- * PROBLEM_ROBUST: the plant itself along its branches, each point on the nearer one of its stable motions.
- * Points that are far off, as those on the wrong side of a jump, weigh little. PROBLEM_PLAIN: the same with
- * all points. */
+ * PROBLEM_LINEAR: the plant linear about its rest, against the curves of the smallest drive. A residual is
+ * data over model less 1, which is linear in mass, damping and stiffness, so that a start far away leads
+ * home, too. PROBLEM_ROBUST: the plant itself along its branches, each point on the nearer one of its stable
+ * motions. Points that are far off, as those on the wrong side of a jump, weigh little. PROBLEM_PLAIN: the
+ * same with all points. */
 #ifndef HOST_SIM_FIT_PROBLEM_H
 #define HOST_SIM_FIT_PROBLEM_H
 

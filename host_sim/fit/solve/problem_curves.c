@@ -11,7 +11,8 @@
 static const double nudge = 1e-4; /* step of u, for slopes */
 /* The difference of a point from its data, over the larger of both, that weighs half. */
 static const double far_off = 0.3;
-static const double distinct = 5.0; /* motions that differ by more standard deviations are two */
+static const double one_drive = 1.01; /* amplitudes of drives that are one level */
+static const double distinct = 5.0;   /* motions that differ by more standard deviations are two */
 
 static double size_of(double re, double im)
 {
@@ -165,9 +166,21 @@ static void compare_linear(const struct curve *c, int i, double re, double im, d
     r[1] = relative * (p->im * re - p->re * im) / square;
 }
 
+/* The curves of the first one's drive: it is the smallest. */
+static int smallest_curves(const struct curves *d)
+{
+    int n = 0;
+    while (n < d->n && d->curve[n].input == d->curve[0].input &&
+           d->curve[n].amplitude <= one_drive * d->curve[0].amplitude)
+        n++;
+    return n;
+}
+
 int problem_curves(const struct problem *p)
 {
-    return p->form == PROBLEM_RECORDS ? 0 : p->form == PROBLEM_LINEAR ? p->s->data.n > 0 : p->s->n_active;
+    if (p->form == PROBLEM_LINEAR)
+        return smallest_curves(&p->s->data);
+    return p->form == PROBLEM_RECORDS ? 0 : p->s->n_active;
 }
 
 double problem_curves_residuals(const struct problem *p, const double *u, double *r)
