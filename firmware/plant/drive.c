@@ -94,7 +94,7 @@ void drive_sample(struct drive *d, double value, uint64_t ticks)
         d->sample_slope = (value - d->sample) / (double)ticks;
     else
         d->sample = value;
-    d->phasor_kept = ticks == 0 && (d->phasor_valid || d->phasor_kept);
+    d->phasor_kept = d->phasor_valid || d->phasor_kept;
     d->phasor_valid = false;
 }
 
@@ -133,10 +133,7 @@ static void sample_advance(struct drive *d, uint32_t length)
     if (d->sample_left == 0)
         return;
     d->sample_left -= length;
-    if (d->sample_left == 0)
-        d->sample = d->sample_to;
-    else
-        d->sample += d->sample_slope * ((double)length / TICK_FRACTIONS);
+    d->sample = drive_sample_before(d, d->sample_left);
 }
 
 /* Input of a wave at model time `time` from its start, where its phasor is (c, s). */
@@ -199,16 +196,74 @@ ALWAYS_INLINE struct input begin_steady(struct drive *d, double ticks_per_time, 
     if (!d->phasor_valid || d->resync_left == 0)
         synchronise(d);
     w->offset = d->sample;
-    w->slope = 0.0;
+    w->slope = d->sample_left > 0 ? d->sample_slope * ticks_per_time : 0.0;
     w->amplitude = d->amplitude;
     w->growth = 0.0;
     w->omega = d->omega_tick * ticks_per_time;
-    return steady_input(w, d->cosine, d->sine);
+    struct input u = steady_input(w, d->cosine, d->sine);
+    if (d->sample_left > 0)
+        u.rate += w->slope;
+    return u;
 }
 
 struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w)
 {
     return begin_steady(d, ticks_per_time, w);
+}
+
+static void rise(struct input *u, double sample, double slope)
+{
+    u->value += sample;
+    u->rate += slope;
+}
+
+void drive_climb(const struct drive *d, const struct wave *w, uint64_t left, double begin, struct input *at,
+                 struct phasor *phasor, uint32_t ticks)
+{
+    const struct wave turning = {.amplitude = w->amplitude, .omega = w->omega};
+    const bool turns = !drive_stands(d) || d->amplitude != 0.0;
+    for (uint32_t k = 0; k < ticks; k++, at += 2 * MODEL_INPUTS, phasor += MODEL_INPUTS) {
+        left -= TICK_FRACTIONS;
+        double end = drive_sample_before(d, left);
+        struct input *middle = &at[MODEL_INPUTS], *last = &at[2 * MODEL_INPUTS];
+        if (turns) {
+            drive_turn(d, &turning, at, phasor, 1);
+        } else {
+            *middle = *last = (struct input){0.0, 0.0};
+            phasor[MODEL_INPUTS] = *phasor;
+        }
+        rise(middle, 0.5 * (begin + end), w->slope);
+        rise(last, end, w->slope);
+        begin = end;
+    }
+}
+
+void drive_pass_slope(struct drive *d, uint32_t ticks)
+{
+    if (ticks == 0)
+        return;
+    d->sample_left -= (uint64_t)ticks * TICK_FRACTIONS;
+    d->sample = drive_sample_before(d, d->sample_left);
+    if (d->sample_left < TICK_FRACTIONS) {
+        d->phasor_valid = false;
+        d->phasor_kept = true;
+    }
+}
+
+/* A whole tick on a slope, after drive_steady. */
+NEVER_INLINE void climb_once(struct drive *d, struct wave *w, struct input *middle, struct input *end)
+{
+    struct input at[3][MODEL_INPUTS];
+    struct phasor phasor[2][MODEL_INPUTS];
+    phasor[0][0] = (struct phasor){d->cosine, d->sine};
+    w->cosine = d->cosine;
+    w->sine = d->sine;
+    drive_climb(d, w, d->sample_left, d->sample, &at[0][0], &phasor[0][0], 1);
+    *middle = at[1][0];
+    *end = at[2][0];
+    d->cosine = phasor[1][0].cosine;
+    d->sine = phasor[1][0].sine;
+    drive_pass(d, 1);
 }
 
 /* The tick after drive_steady. */
@@ -230,9 +285,12 @@ bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, stru
                    struct input *begin, struct input *middle, struct input *end)
 {
     bool steady = d->phasor_valid && length == TICK_FRACTIONS;
-    if (steady || (length == TICK_FRACTIONS && (d->ramp_left | d->sample_left) == 0)) {
+    if (steady || (length == TICK_FRACTIONS && d->ramp_left == 0 && drive_slope_ticks(d) > 0)) {
         *begin = begin_steady(d, ticks_per_time, w);
-        turn(d, w, middle, end);
+        if (d->sample_left > 0)
+            climb_once(d, w, middle, end);
+        else
+            turn(d, w, middle, end);
     } else {
         segment_general(d, length, ticks_per_time, w, begin, middle, end);
     }

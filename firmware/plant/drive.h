@@ -63,7 +63,9 @@ struct drive {
     double omega_tick;    /* radians per tick at `step` */
     uint32_t resync_left; /* ticks until the phasor is taken from the integer again */
     bool phasor_kept;     /* only samples were told since it was valid last */
-    bool phasor_valid;    /* cosine, sine and rotation belong to the current step; so no ramp or slope runs */
+    /* cosine, sine and rotation belong to the current step: no ramp runs, nor a slope that ends in this tick
+     */
+    bool phasor_valid;
 };
 
 /* Silent, at phase zero. */
@@ -119,8 +121,8 @@ static inline bool drive_active(const struct drive *d)
 /* Takes the segment of `length` that begins now: fills the wave and the inputs at its begin, middle and
  * end, and moves the drive to its end. `length` is 1..65536, in 1/65536 tick, and not beyond drive_corner;
  * ticks_per_time is ticks per model time. Returns false when the wave is just the previous one run on,
- * else true. A whole tick of a steady drive costs two complex multiplications; anything else three sines
- * and cosines. Noise is added by noise_add. */
+ * else true. A whole tick of a steady drive, or of one whose sample is on a slope, costs two complex
+ * multiplications; anything else three sines and cosines. Noise is added by noise_add. */
 bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, struct wave *w,
                    struct input *begin, struct input *middle, struct input *end);
 
@@ -139,10 +141,23 @@ ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s
     return (struct input){w->offset + w->amplitude * c, (-w->amplitude * w->omega) * s};
 }
 
-/* Whole ticks of constant amplitude, frequency and sample, in three parts of what drive_segment does.
- * drive_steady comes first, at the start of a tick: it sets the wave but for its phase, and returns the input
- * now. drive_turn fills in some ticks of a block behind the one at whose end its input `at` and its
- * phasor stand. drive_pass ends `ticks` of them, at most resync_left; the caller puts the phasor in place.
+/* The sample where a slope has `left` to go, in 1/65536 tick: it ends in sample_to, to the last bit. */
+ALWAYS_INLINE double drive_sample_before(const struct drive *d, uint64_t left)
+{
+    return d->sample_to - d->sample_slope * ((double)(int64_t)left * (1.0 / TICK_FRACTIONS));
+}
+
+/* Whole ticks in which a slope goes on; UINT64_MAX without one. */
+static inline uint64_t drive_slope_ticks(const struct drive *d)
+{
+    return d->sample_left == 0 ? UINT64_MAX : d->sample_left / TICK_FRACTIONS;
+}
+
+/* Whole ticks of constant amplitude, frequency and sample or slope, in three parts of what drive_segment
+ * does. drive_steady comes first, at the start of a tick: it sets the wave but for its phase, and returns the
+ * input now. drive_turn fills in some ticks of a block behind the one at whose end its input `at` and its
+ * phasor stand. drive_climb does so on a slope: the first of its ticks begins at the sample `begin`, with
+ * `left` to go. drive_pass ends `ticks` of them, at most resync_left; the caller puts the phasor in place.
  * The ticks of a drive that stands are alike: nothing turns. */
 struct input drive_steady(struct drive *d, double ticks_per_time, struct wave *w);
 
@@ -172,10 +187,18 @@ ALWAYS_INLINE void drive_turn(const struct drive *d, const struct wave *w, struc
 #endif
 }
 
+void drive_climb(const struct drive *d, const struct wave *w, uint64_t left, double begin, struct input *at,
+                 struct phasor *phasor, uint32_t ticks);
+
+/* The slope goes on by whole ticks. */
+void drive_pass_slope(struct drive *d, uint32_t ticks);
+
 static inline void drive_pass(struct drive *d, uint32_t ticks)
 {
     d->carrier += ticks * d->step;
     d->resync_left -= ticks;
+    if (d->sample_left > 0)
+        drive_pass_slope(d, ticks);
 }
 
 /* The unit of the input changed: every amplitude, sample and deviation times `factor`. */

@@ -469,7 +469,8 @@ struct samples {
 struct quiet {
     struct method_block b;
     unsigned turning;                     /* bit i: drive i turns; the others that sound stand */
-    unsigned moving;                      /* these, and the input that is held */
+    unsigned sloping;                     /* bit i: drive i has a sample on a slope */
+    unsigned moving;                      /* all these, and the input that is held */
     const struct samples *held;           /* NULL: nothing is */
     uint32_t filled;                      /* ticks of the block that have their sample */
     uint64_t origin;                      /* number of the block's first tick */
@@ -491,7 +492,7 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, const struct samples *
 {
     struct segment *e = &pl->segment;
     struct method_block *b = &q->b;
-    q->turning = q->done = q->booked = q->filled = 0;
+    q->turning = q->sloping = q->done = q->booked = q->filled = 0;
     q->held = held;
     q->origin = q->passed = pl->now.tick;
     q->switched = NULL;
@@ -514,10 +515,13 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, const struct samples *
             e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
             if (d->resync_left < n)
                 n = d->resync_left;
-            q->turning |= (drive_stands(d) ? 0u : 1u) << i;
+            if (drive_slope_ticks(d) < n)
+                n = (uint32_t)drive_slope_ticks(d);
+            q->sloping |= (d->sample_left > 0 ? 1u : 0u) << i;
+            q->turning |= (d->sample_left > 0 || drive_stands(d) ? 0u : 1u) << i;
         }
     }
-    q->moving = q->turning | (held ? 1u << held->input : 0u);
+    q->moving = q->turning | q->sloping | (held ? 1u << held->input : 0u);
     if (pl->books == BOOKS_OF_LEDGER)
         ledger_begin(&pl->ledger, pl->p, e, e->at[2], pl->x);
     uint32_t filled = n < BLOCK_TICKS ? n : BLOCK_TICKS;
@@ -588,6 +592,31 @@ ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
     e->at[2][i] = t.at[2][i];
 }
 
+/* Drives with a slope in n ticks of the block; their offsets are those of the first. */
+NEVER_INLINE void climb(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
+{
+    uint64_t since = q->origin + (uint64_t)(t.x - q->b.x) - q->passed;
+    unsigned drives = q->sloping;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        const struct drive *d = &pl->drive[i];
+        struct wave *w = &pl->segment.wave[i];
+        uint64_t left = d->sample_left - since * TICK_FRACTIONS;
+        if (!(drives & 1u))
+            continue;
+        w->offset = since == 0 ? d->sample : drive_sample_before(d, left);
+        drive_climb(d, w, left, w->offset, &t.at[0][i], &t.phasor[0][i], n);
+    }
+}
+
+/* Such drives in a tick's segment, too. */
+NEVER_INLINE void climb_once(struct plant *pl, const struct quiet *q, struct ticks t)
+{
+    climb(pl, q, t, 1);
+    for (int i = 0; q->sloping >> i != 0; i++)
+        if ((q->sloping >> i) & 1u)
+            fill_tick(pl, i, t, false);
+}
+
 /* The sample of a tick in its segment. */
 static void hold(struct plant *pl, const struct quiet *q, struct ticks t)
 {
@@ -611,6 +640,8 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
     }
     if (q->held)
         hold(pl, q, t);
+    if (q->sloping)
+        climb_once(pl, q, t);
     e->instant += TICK_FRACTIONS;
     q->status = pl->step(pl->model, pl->p, pl->scratch, e, q->b.regime, pl->x, &q->c);
     if (q->status != STEP_END || !inside(pl->x, n))
@@ -653,6 +684,8 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
         if (drives & 1u)
             drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], BLOCK_TOGETHER);
     }
+    if (q->sloping)
+        climb(pl, q, t, asked);
     done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
     while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
@@ -701,6 +734,8 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
         for (uint32_t k = 0; (drives & 1u) && k < n; k++)
             drive_turn(&d, &w, &t.at[2 * k][i], &t.phasor[k][i], 1);
     }
+    if (q->sloping)
+        climb(pl, q, t, n);
     uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
     pl->segment.instant += done * TICK_FRACTIONS;
     q->switched = pl->method->switched ? pl->method->switched(pl->scratch) : NULL;
@@ -981,7 +1016,7 @@ static bool is_held(const struct plant *pl, int i)
     unsigned alone = 1u << i;
     return pl->awake == alone && pl->segment.active == alone && pl->now.fraction == 0 && !pl->staged &&
            pl->model->input_signal[i].quantity != QUANTITY_LENGTH && d->phasor_valid && drive_stands(d) &&
-           d->amplitude == 0.0 && !d->noise.active;
+           d->amplitude == 0.0 && !d->noise.active && d->sample_left == 0;
 }
 
 /* The first n samples that are not 0. */

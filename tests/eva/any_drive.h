@@ -33,7 +33,7 @@ static inline void any_drive(struct drive *d)
     d->half_cosine = eva_between(-1.1, 1.1);
     d->half_sine = eva_between(-1.1, 1.1);
     d->omega_tick = eva_between(0.0, 3.2);
-    d->phasor_valid = eva_bool();
+    d->phasor_valid = (d->sample_left == 0 || d->sample_left >= TICK_FRACTIONS) && eva_bool();
     d->phasor_kept = eva_bool();
     any_noise(&d->noise);
 }

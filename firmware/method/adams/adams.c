@@ -319,7 +319,7 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
 static struct switch_found take(struct adams *s, const struct segment *e, unsigned regime, double *x)
 {
     struct phasor turn[MODEL_INPUTS];
-    if (e->changed || s->known == 0 || e->active != s->active || !stands(s, x))
+    if (e->changed || s->sloping || s->known == 0 || e->active != s->active || !stands(s, x))
         follow(s, e, x);
     const struct adams_motion begin = s->m;
     s->from = begin.at;
@@ -416,7 +416,7 @@ static step_function *bind(const struct model *m)
 static bool goes_on(const struct adams *s, const struct method_block *b, const double *x)
 {
     return s->known == ADAMS_NODES && s->left == 0.0 && stands(s, x) && b->length == s->h &&
-           b->active == s->active && !(b->jumps && s->kind != ADAMS_FORCED);
+           b->active == s->active && !s->sloping && !(b->jumps && s->kind != ADAMS_FORCED);
 }
 
 /* Nothing but a plain tick has happened: the contact stays on its side, and the rate of eta keeps its sign.

@@ -67,6 +67,7 @@ struct adams {
     double force[MODEL_INPUTS]; /* and the force of each in turn */
     struct wave wave[MODEL_INPUTS];
     struct adams_push push; /* in a whole tick */
+    bool sloping;           /* which is another in the next one */
     /* the past */
     int known; /* how many g are; 0: nothing is */
     struct adams_motion m;

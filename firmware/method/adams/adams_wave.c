@@ -110,6 +110,7 @@ void adams_take_waves(struct adams *s, const struct segment *e)
 {
     bool same_inputs = s->active == e->active;
     s->n_on = 0;
+    s->sloping = false;
     for (int i = 0; e->active >> i != 0; i++) {
         if (!((e->active >> i) & 1u))
             continue;
@@ -117,6 +118,7 @@ void adams_take_waves(struct adams *s, const struct segment *e)
         s->wave[i] = e->wave[i];
         s->on[s->n_on] = i;
         s->force[s->n_on] = s->form.force[i];
+        s->sloping |= e->wave[i].slope != 0.0;
         if (!kept)
             respond(s, i, s->h, &s->push.response[s->n_on]);
         s->n_on++;

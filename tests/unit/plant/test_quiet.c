@@ -90,7 +90,7 @@ static void command(struct plant *pl, uint32_t kind, int i, double a, double b)
         plant_drive(pl, i, 2.0 * a * unit, hz, 6.0 * a, pl->tick_s * (kind == 0 ? 0.0 : 40.0 * b));
         break;
     case 3:
-        plant_sample(pl, i, 0.3 * a * unit, (uint64_t)(9.0 * b));
+        plant_sample(pl, i, 0.3 * a * unit, (uint64_t)((a < 0.5 ? 9.0 : 90.0) * b));
         break;
     case 4:
         plant_noise(pl, i, 0.01 * a * unit, 1 + (uint32_t)(4.0 * b), 7, 0.0);

@@ -1,5 +1,5 @@
 /* test_samples.c - samples told ahead: a linear rig under a staircase of force against the closed form, and
- * long arrays against each sample told at its instant. */
+ * long arrays against each sample told at its instant. And samples that are reached by ramps. */
 #include "tests/unit/test.h"
 
 #include <math.h>
@@ -92,6 +92,57 @@ TEST(samples_staircase)
         check_staircase(&rk4, ticks, 1e-6, 1e-6);
         check_staircase(&exact, ticks, 1e-12, 1e-8);
         check_staircase(&taylor, ticks, 1e-11, 1e-8);
+    }
+}
+
+/* Under a load that begins at u and climbs by `rate`: the rest moves, too. */
+static void swing_up(const struct polynomial_form *f, long double u, long double rate, long double time,
+                     struct swing *s)
+{
+    long double square = -(long double)f->constant[1];
+    long double drift = (long double)f->modulation[0][RIG_FORCE] * rate / square;
+    long double behind = (long double)f->damping * drift / square;
+    s->x += behind;
+    s->v -= drift;
+    swing_on(f, u, time, s);
+    s->x += drift * time - behind;
+    s->v += drift;
+}
+
+/* A sample a frame, reached at its end, as a controller in a loop tells them. */
+static void check_ramps(const struct method *method, uint64_t ticks, double tolerance)
+{
+    static double si[SAMPLES];
+    struct polynomial_form f;
+    double before = 0.0;
+    bool good = start(&pl, &hertz_rig_linear, method, 0.05, 1e-12, scratch);
+    draw_samples(0.3);
+    to_si(&pl, si);
+    hertz_rig_linear.polynomial_form(pl.p, &f);
+    struct swing s = {(long double)pl.x[0], (long double)pl.x[1], 0.0L};
+    for (int k = 0; k < SAMPLES && good; k++) {
+        long double time = (long double)pl.h * ticks;
+        swing_up(&f, (long double)before, ((long double)sample[k] - (long double)before) / time, time, &s);
+        before = sample[k];
+        plant_sample(&pl, RIG_FORCE, si[k], ticks);
+        good = plant_run(&pl, ticks);
+    }
+    check_true(method->name, good);
+    check_near("displacement", pl.x[0], (double)s.x, tolerance);
+    check_near("velocity", pl.x[1], (double)s.v, tolerance);
+    check_near("residual over all that moved", plant_residual(&pl) / pl.scale.energy_J / pl.ledger.gross, 0.0,
+               5e-6);
+}
+
+/* The force has a kink at each sample, of which the ledger's rule sees the tick behind; rk4 runs for 1e4 rad.
+ */
+TEST(samples_ramps)
+{
+    static const uint64_t ticks[] = {1, 3, 64};
+    for (int i = 0; i < 3; i++) {
+        check_ramps(&rk4, ticks[i], 1e-5);
+        check_ramps(&exact, ticks[i], 1e-12);
+        check_ramps(&taylor, ticks[i], 1e-11);
     }
 }
 
