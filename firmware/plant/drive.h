@@ -130,8 +130,8 @@ bool drive_segment(struct drive *d, uint32_t length, double ticks_per_time, stru
  * tick follows from its begin, and its end from the middle. */
 ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double rotation_s)
 {
-    double turned = *c * rotation_c - *s * rotation_s;
-    *s = *s * rotation_c + *c * rotation_s;
+    double turned = unfused(*c * rotation_c) - unfused(*s * rotation_s);
+    *s = unfused(*s * rotation_c) + unfused(*c * rotation_s);
     *c = turned;
 }
 

@@ -12,8 +12,9 @@ ALWAYS_INLINE void REAL(middle_of)(int n, const struct ledger_rule *r, const rea
     EACH for (int i = 0, k = n / 2; k < n; i++, k++)
     {
         real mean = 0.5 * (x0[k] + x1[k]), secant = (x1[i] - x0[i]) * r->inverse;
-        x[i] = (0.5 * (x0[i] + x1[i]) + r->a * (x0[k] - x1[k])) + r->b * (a0[k] + a1[k]);
-        x[k] = (1.875 * secant + r->mean * mean) + r->c * (a1[k] - a0[k]);
+        x[i] = (unfused(0.5 * (x0[i] + x1[i])) + unfused(r->a * (x0[k] - x1[k]))) +
+               unfused(r->b * (a0[k] + a1[k]));
+        x[k] = (unfused(1.875 * secant) + unfused(r->mean * mean)) + unfused(r->c * (a1[k] - a0[k]));
     }
 }
 
