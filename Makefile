@@ -70,14 +70,17 @@ help: ## this list
 	@echo "variables: CC=clang OPT=-O3 BUILD=dir EXTRA=-g for a debugger, EXTRA=-fsanitize=address,undefined WERROR=-Werror; others beside their target"
 
 # -O1 takes two thirds of the time. At -O2 is what computes, or is called at every tick, and what measures that.
-AT_O2 := host_sim/batch/% host_sim/afm/% host_sim/fit/% host_sim/library/% host_sim/simulate/% tests/bench/%
+AT_O2 := host_sim/batch/% host_sim/beside/% host_sim/afm/% host_sim/fit/% host_sim/library/% host_sim/simulate/% tests/bench/%
 $(call obj,$(filter-out $(AT_O2),$(HOST_SRC) $(TEST_SRC))): OPT = -O1
 # Vectors by value between functions that are always inlined: there is no ABI to take note of.
 $(call obj,$(BATCH_SRC) tests/unit/batch/test_batch_series.c): FLAGS += -Wno-psabi
-# Batches a second time for AVX2, which x86-64's default leaves out: host_sim/batch/batch_taylor.h.
+# A second time for AVX2, which x86-64's default leaves out: batches (host_sim/batch/batch_taylor.h), and plants side
+# by side (host_sim/beside/beside.h).
+BESIDE_SRC := $(wildcard host_sim/beside/*.c)
 ifneq (,$(findstring x86_64,$(shell $(CC) -dumpmachine)))
 $(call obj,$(BATCH_SRC)): FLAGS += -DBATCH_AVX2
-$(call obj,$(filter %_avx2.c,$(BATCH_SRC))): FLAGS += -mavx2
+$(call obj,$(BESIDE_SRC) $(call test_src,test_beside)): FLAGS += -DBESIDE_AVX2
+$(call obj,$(filter %_avx2.c,$(BATCH_SRC) $(BESIDE_SRC))): FLAGS += -mavx2
 endif
 # Flags are a dependency: a build folder keeps the compiler and flags that it was built with; others build it anew.
 # What was built with -Werror does for a build without it.

@@ -1,6 +1,6 @@
 /* flows_text.h - the powers of models with a Hertzian contact, for the ledger; a text for models/flows.h. */
 
-ALWAYS_INLINE void REAL(hertz_rig_flow)(const double *p, const struct REAL(input) * u, const real *x,
+ALWAYS_INLINE void REAL(hertz_rig_flow)(const number *p, const struct REAL(input) * u, const real *x,
                                         struct REAL(flow) * f)
 {
     real modulation = u[RIG_STIFFNESS].value;
@@ -20,7 +20,7 @@ ALWAYS_INLINE void REAL(hertz_rig_flow)(const double *p, const struct REAL(input
 }
 
 /* flow where base and stiffness are at rest: the same bits; their work, which is 0, is not written. */
-ALWAYS_INLINE void REAL(hertz_rig_flow_forced)(const double *p, const struct REAL(input) * u, const real *x,
+ALWAYS_INLINE void REAL(hertz_rig_flow_forced)(const number *p, const struct REAL(input) * u, const real *x,
                                                struct REAL(flow) * f)
 {
     real contact = (2.0 / 3.0) * REAL(hertz_contact_force)(x[0]);
@@ -34,7 +34,7 @@ ALWAYS_INLINE void REAL(hertz_rig_flow_forced)(const double *p, const struct REA
     f->force = 1.5 * contact;
 }
 
-ALWAYS_INLINE void REAL(rolling_contact_flow)(const double *p, const struct REAL(input) * u, const real *x,
+ALWAYS_INLINE void REAL(rolling_contact_flow)(const number *p, const struct REAL(input) * u, const real *x,
                                               struct REAL(flow) * f)
 {
     real contact = (2.0 / 3.0) * REAL(hertz_contact_force)(x[0] + u[ROLLING_WAVINESS].value);
@@ -48,7 +48,7 @@ ALWAYS_INLINE void REAL(rolling_contact_flow)(const double *p, const struct REAL
     f->force = 1.5 * contact;
 }
 
-ALWAYS_INLINE void REAL(afm_tip_flow)(const double *p, const struct REAL(input) * u, const real *x,
+ALWAYS_INLINE void REAL(afm_tip_flow)(const number *p, const struct REAL(input) * u, const real *x,
                                       struct REAL(flow) * f)
 {
     real modulation = u[TIP_STIFFNESS].value;

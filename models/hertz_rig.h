@@ -16,6 +16,7 @@
 #define MODELS_HERTZ_RIG_H
 
 #include "models/hertz_contact.h"
+#include "models/lanes.h"
 #include "models/model.h"
 
 extern const struct model hertz_rig;
@@ -36,41 +37,13 @@ enum {
 };
 enum { RIG_P_TWO_XI };
 
-static inline void hertz_rig_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    double two_xi = p[RIG_P_TWO_XI];
-    /* Terms without the state stand first: they are ready before the square root. */
-    double drive =
-        (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value)) + two_xi * u[RIG_BASE].rate;
-    double stiffness = (2.0 / 3.0) * (1.0 + u[RIG_STIFFNESS].value);
-    double eta = x[0] - u[RIG_BASE].value;
-    x_dot[0] = x[1];
-    x_dot[1] = (drive - two_xi * x[1]) - stiffness * hertz_contact_force(eta);
-}
-
-/* rhs where base and stiffness are at rest: the same bits, a quarter fewer instructions. */
-static inline void hertz_rig_rhs_forced(const double *p, const struct input *u, const double *x,
-                                        double *x_dot)
-{
-    double drive = (2.0 / 3.0) * (1.0 + (u[RIG_FORCE].value + u[RIG_FAST_FORCE].value));
-    x_dot[0] = x[1];
-    x_dot[1] = (drive - p[RIG_P_TWO_XI] * x[1]) - (2.0 / 3.0) * hertz_contact_force(x[0]);
-}
-
-static inline void hertz_rig_gap(const double *p, const struct input *u, const double *x, struct input *gap)
-{
-    (void)p;
-    gap->value = u[RIG_BASE].value - x[0];
-    gap->rate = u[RIG_BASE].rate - x[1];
-}
-
-static inline void hertz_rig_gap_forced(const double *p, const struct input *u, const double *x,
-                                        struct input *gap)
-{
-    (void)p, (void)u;
-    gap->value = -x[0];
-    gap->rate = -x[1];
-}
+#define real       double
+#define number     double
+#define REAL(name) name
+#include "models/hertz_rig_text.h"
+#undef real
+#undef number
+#undef REAL
 
 /* ---- what the reduced models and the rolling contact share with the rig ---- */
 

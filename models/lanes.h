@@ -1,9 +1,10 @@
-/* lanes.h - one number for each of several ticks side by side.
+/* lanes.h - one number for each of several ticks, or of several plants, side by side.
  *
- * Texts that serve one tick and several (models/flows_text.h, firmware/plant/ledger_middle.h) are written
- * with `real`, and with names in REAL(). They are included twice: with real as double, and as `real_lanes`.
- * All operations go lane by lane, so a lane has the bits of a double. TICK_LANES is 1 where the processor has
- * no such registers: then there is no second copy. */
+ * Texts that serve one and several (models/flows_text.h, firmware/method/rk4_text.h) are written with `real`,
+ * and with names in REAL(). They are included with real as double, as `real_lanes` for TICK_LANES ticks of
+ * one plant, and as `real_beside` for PLANT_LANES plants. `number` is what belongs to a plant: double, but
+ * for several plants `real_beside`; NUMBER() goes with it. All operations go lane by lane, so a lane has the
+ * bits of a double. TICK_LANES is 1 where the processor has no such registers: then there is one copy. */
 #ifndef MODELS_LANES_H
 #define MODELS_LANES_H
 
@@ -28,46 +29,59 @@ ALWAYS_INLINE double real_larger(double a, double b)
 
 #if defined(__SSE2__) && !defined(__FRAMAC__)
 #define TICK_LANES 2
+#ifdef __AVX2__
+#define PLANT_LANES       4
+#define BESIDE_BUILTIN(f) __builtin_ia32_##f##256
+#define OF_EACH(a, field) ((real_beside){(a)[0].field, (a)[1].field, (a)[2].field, (a)[3].field})
+#else
+#define PLANT_LANES       2
+#define BESIDE_BUILTIN(f) __builtin_ia32_##f
+#define OF_EACH(a, field)                                                                                    \
+    ((real_beside){(a)[0].field, (a)[1].field}) /* a field of each of PLANT_LANES structs */
+#endif
 
-typedef double real_lanes __attribute__((vector_size(16)));
 typedef double lanes_in_memory
     __attribute__((vector_size(16), aligned(8), may_alias)); /* two doubles in a row */
-typedef long long lanes_mask __attribute__((vector_size(16)));
 
-ALWAYS_INLINE real_lanes real_positive_lanes(real_lanes x)
-{
-    return (real_lanes)((lanes_mask)x & (x > 0.0));
-}
+/* Types and operations for n numbers, with this name behind theirs; input and flow as those of model.h. */
+#define LANES(name, n, builtin)                                                                              \
+    typedef double real_##name __attribute__((vector_size(8 * (n))));                                        \
+    typedef long long mask_##name __attribute__((vector_size(8 * (n))));                                     \
+    struct input_##name {                                                                                    \
+        real_##name value, rate;                                                                             \
+    };                                                                                                       \
+    struct flow_##name {                                                                                     \
+        real_##name x_dot[MODEL_STATES], work[MODEL_INPUTS], damping, force;                                 \
+    };                                                                                                       \
+    ALWAYS_INLINE real_##name real_positive_##name(real_##name x)                                            \
+    {                                                                                                        \
+        return (real_##name)((mask_##name)x & (x > 0.0));                                                    \
+    }                                                                                                        \
+    ALWAYS_INLINE real_##name real_negative_##name(real_##name x)                                            \
+    {                                                                                                        \
+        return (real_##name)((mask_##name)x & (x < 0.0));                                                    \
+    }                                                                                                        \
+    ALWAYS_INLINE real_##name real_larger_##name(real_##name a, real_##name b)                               \
+    {                                                                                                        \
+        mask_##name more = a > b;                                                                            \
+        return (real_##name)(((mask_##name)a & more) | ((mask_##name)b & ~more));                            \
+    }                                                                                                        \
+    ALWAYS_INLINE real_##name sqrt_##name(real_##name x)                                                     \
+    {                                                                                                        \
+        return builtin(sqrtpd)(x);                                                                           \
+    }                                                                                                        \
+    ALWAYS_INLINE real_##name fabs_##name(real_##name x)                                                     \
+    {                                                                                                        \
+        return (real_##name)((mask_##name)x & INT64_MAX);                                                    \
+    }                                                                                                        \
+    ALWAYS_INLINE bool any_##name(mask_##name m)                                                             \
+    {                                                                                                        \
+        return builtin(movmskpd)((real_##name)m) != 0;                                                       \
+    }
 
-ALWAYS_INLINE real_lanes real_negative_lanes(real_lanes x)
-{
-    return (real_lanes)((lanes_mask)x & (x < 0.0));
-}
-
-ALWAYS_INLINE real_lanes real_larger_lanes(real_lanes a, real_lanes b)
-{
-    lanes_mask more = a > b;
-    return (real_lanes)(((lanes_mask)a & more) | ((lanes_mask)b & ~more));
-}
-
-ALWAYS_INLINE real_lanes sqrt_lanes(real_lanes x)
-{
-    return __builtin_ia32_sqrtpd(x);
-}
-
-ALWAYS_INLINE real_lanes fabs_lanes(real_lanes x)
-{
-    return (real_lanes)((lanes_mask)x & ~(lanes_mask)(real_lanes){-0.0, -0.0});
-}
-
-/* As struct input and struct flow. */
-struct input_lanes {
-    real_lanes value, rate;
-};
-
-struct flow_lanes {
-    real_lanes x_dot[MODEL_STATES], work[MODEL_INPUTS], damping, force;
-};
+#define TICK_BUILTIN(f) __builtin_ia32_##f
+LANES(lanes, TICK_LANES, TICK_BUILTIN)
+LANES(beside, PLANT_LANES, BESIDE_BUILTIN)
 #else
 #define TICK_LANES 1
 #endif

@@ -108,17 +108,29 @@ void app_take_last_run(struct app *a, uint32_t kind)
 
 /* ---- the frame ---- */
 
-void app_frame(struct app *a)
+static uint32_t now_us(const struct app *a)
 {
-    uint32_t begin_us = a->hal->now_us(a->hal->context);
+    return a->hal->now_us(a->hal->context);
+}
+
+static void begin_frame(struct app *a)
+{
     command_receive(a);
     session_check_age(a);
-    uint32_t advanced = app_advance(a);
+}
+
+static void report_frame(struct app *a, uint32_t advanced)
+{
     account_judge(a, advanced);
     telemetry_report(&a->telemetry, a, advanced);
     plant_begin_record(&a->plant); /* this frame's record has been reported */
     a->hal->flush(a->hal->context);
-    histogram_add(&a->timing.compute, a->hal->now_us(a->hal->context) - begin_us, a->frame);
+}
+
+/* It took so long. */
+static void end_frame(struct app *a, uint32_t us)
+{
+    histogram_add(&a->timing.compute, us, a->frame);
     /* Also while a fault is latched, that of the last run among them: the watchdog only guards that
      * frames end. */
     a->hal->healthy(a->hal->context);
@@ -126,6 +138,27 @@ void app_frame(struct app *a)
     a->away = 0;
     a->due -= a->due > 0;
     a->frame++;
+}
+
+void app_frame(struct app *a)
+{
+    uint32_t begin_us = now_us(a);
+    begin_frame(a);
+    report_frame(a, app_advance(a));
+    end_frame(a, now_us(a) - begin_us);
+}
+
+void app_frames(struct app *const *a, uint32_t n, const struct plant_beside *by)
+{
+    uint32_t advanced[SIDES], begin_us = now_us(a[0]);
+    for (uint32_t i = 0; i < n; i++)
+        begin_frame(a[i]);
+    app_advance_beside(a, n, by, advanced);
+    for (uint32_t i = 0; i < n; i++)
+        report_frame(a[i], advanced[i]);
+    uint32_t each_us = (now_us(a[0]) - begin_us) / n;
+    for (uint32_t i = 0; i < n; i++)
+        end_frame(a[i], each_us);
 }
 
 /* Counts missed frames as bus frames. Some of them are made up, by the policy; the others get no turn.

@@ -141,6 +141,11 @@ void app_take_last_run(struct app *a, uint32_t kind);
  * frame, of which policy `skip` may add some. */
 void app_frame(struct app *a);
 
+/* app_frame for n apps on one bus, 1 to SIDES. Each sends and computes what it would alone, to the last bit;
+ * each has 1/n of the time as its own. All receive, then all advance, then all report. Plants of one model by
+ * one method go side by side then, which costs less (plant_run_beside). */
+void app_frames(struct app *const *a, uint32_t n, const struct plant_beside *by);
+
 /* Call it when `missed` whole frame periods went by before this frame could start. It counts them, sends
  * OVERRUN and applies the overrun policy. More than 65535 count as 65535. Returns how many app_frame calls
  * are due now: with catch_up all of them, at most 100 and this one's; else 1. Where more than one is due,

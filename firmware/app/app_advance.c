@@ -112,35 +112,24 @@ static void witness_tick(void *witness, const struct plant *pl)
     w->config->observe(w->config->observer, pl);
 }
 
-/* The ticks of a frame: in one run where no fire, capture, watch or code may act in each of them. */
+/* A fire, capture, watch or code may act in each tick. */
+static bool goes_by_ticks(const struct app *a)
+{
+    return a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a) ||
+           a->streaming >= APP_STREAMING_CODES;
+}
+
+/* The ticks of a frame: in one run where it may be. */
 static bool advance_ticks(struct app *a, struct lockin_frame *lockin)
 {
     struct witness witness = {lockin, &a->config};
-    if (a->watch.active || a->mailbox.n_fires > 0 || is_capturing(a) || a->streaming >= APP_STREAMING_CODES)
+    if (goes_by_ticks(a))
         return advance_tick_by_tick(a, lockin);
     if (a->config.observe)
         return plant_run_seen(&a->plant, a->config.substeps, witness_tick, NULL, &witness);
     if (lockin->n_slots > 0)
         return plant_run_seen(&a->plant, a->config.substeps, lockin_slots_tick, lockin_slots_ticks, lockin);
     return plant_run(&a->plant, a->config.substeps);
-}
-
-/* One frame of plant time. */
-static void advance_frame(struct app *a)
-{
-    const struct plant_counts *n = &a->plant.counts;
-    uint32_t budget = n->budget + n->work;
-    struct lockin_frame lockin;
-    app_apply_samples(a, a->plant.now.tick / a->config.substeps);
-    lockin_slots_begin_frame(&a->lockin, &a->plant, a->config.substeps, &lockin);
-    bool finite = advance_ticks(a, &lockin);
-    lockin_slots_end_frame(&lockin, &a->plant);
-    if (!finite) {
-        session_fault(a, FAULT_NOT_FINITE);
-        return;
-    }
-    if (n->budget + n->work != budget)
-        session_fault(a, FAULT_BUDGET);
 }
 
 /* Hands the true outputs at the end of a frame to the sensors. */
@@ -151,6 +140,37 @@ static void sense(struct app *a)
     if (a->plant.staged)
         a->plant.stage_calls->replace(a->plant.stages, output);
     sensor_record(&a->sensor, a->plant.now.tick / a->config.substeps, output);
+}
+
+/* A frame of plant time under way. */
+struct advance {
+    struct lockin_frame lockin;
+    uint32_t budget; /* reached before */
+};
+
+static void begin_advance(struct app *a, struct advance *f)
+{
+    f->budget = a->plant.counts.budget + a->plant.counts.work;
+    app_apply_samples(a, a->plant.now.tick / a->config.substeps);
+    lockin_slots_begin_frame(&a->lockin, &a->plant, a->config.substeps, &f->lockin);
+}
+
+static void end_advance(struct app *a, const struct advance *f, bool finite)
+{
+    lockin_slots_end_frame(&f->lockin, &a->plant);
+    if (!finite)
+        session_fault(a, FAULT_NOT_FINITE);
+    else if (a->plant.counts.budget + a->plant.counts.work != f->budget)
+        session_fault(a, FAULT_BUDGET);
+    sense(a);
+    a->step_left -= a->step_left > 0;
+}
+
+static void advance_frame(struct app *a)
+{
+    struct advance f;
+    begin_advance(a, &f);
+    end_advance(a, &f, advance_ticks(a, &f.lockin));
 }
 
 uint32_t app_advance(struct app *a)
@@ -164,8 +184,40 @@ uint32_t app_advance(struct app *a)
         if (stepping && a->step_left == 0)
             break; /* a step ends where it said, overrun or not */
         advance_frame(a);
-        sense(a);
-        a->step_left -= a->step_left > 0;
     }
     return advanced;
+}
+
+/* Its next frame of plant time is one run that nobody watches tick by tick but the lock-in. */
+static bool goes_beside(const struct app *a)
+{
+    return a->state == STATE_RUNNING && a->skip == 0 && !goes_by_ticks(a) && !a->config.observe;
+}
+
+void app_advance_beside(struct app *const *a, uint32_t n, const struct plant_beside *by, uint32_t *advanced)
+{
+    struct advance f[SIDES];
+    struct plant_run r[SIDES];
+    struct app *of[SIDES];
+    uint32_t k = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        struct app *one = a[i];
+        if (!goes_beside(one)) {
+            advanced[i] = app_advance(one);
+            continue;
+        }
+        advanced[i] = 1;
+        begin_advance(one, &f[k]);
+        r[k] = (struct plant_run){.pl = &one->plant, .to = one->plant.now.tick + one->config.substeps};
+        if (f[k].lockin.n_slots > 0) {
+            r[k].look = lockin_slots_tick;
+            r[k].several = lockin_slots_ticks;
+            r[k].who = &f[k].lockin;
+        }
+        of[k++] = one;
+    }
+    if (k > 0)
+        plant_run_beside(r, k, by);
+    for (uint32_t i = 0; i < k; i++)
+        end_advance(of[i], &f[i], r[i].good);
 }

@@ -6,11 +6,16 @@
 #include <stdint.h>
 
 struct app;
+struct plant_beside;
 
 /* Advances plant time by one frame, and by the a->skip frames that overrun policy `skip` makes up for.
  * Returns how many plant frames it began: 0 unless the plant is RUNNING or stepping. A state that leaves
  * the finite numbers latches FAULT_NOT_FINITE and ends the frame. A bound on switches or on the method's
  * work in a tick that was reached latches FAULT_BUDGET. */
 uint32_t app_advance(struct app *a);
+
+/* app_advance for n apps, at most SIDES, to the same bits; advanced[n] is what it would return. Their plants
+ * go side by side where they may. */
+void app_advance_beside(struct app *const *a, uint32_t n, const struct plant_beside *by, uint32_t *advanced);
 
 #endif

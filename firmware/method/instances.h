@@ -12,6 +12,10 @@
  *   rhs, gap, flow   as in struct model, for these inputs; static inline, in a header of the model
  *   lanes      flow for TICK_LANES ticks side by side (models/flows.h); NULL or left out: one tick at a time
  *
+ * INSTANCES_BESIDE has the models whose plants go side by side, several in the lanes of a vector. `for` may
+ * speak of `active`, and `numbers` says how many prepared numbers rhs, gap and flow read. Their names end in
+ * _beside (models/flows.h).
+ *
  * A file that compiles the table in defines JUMP and what a row becomes, and writes INSTANCES(that). */
 #ifndef FIRMWARE_INSTANCES_H
 #define FIRMWARE_INSTANCES_H
@@ -80,6 +84,11 @@
     X(cubic_last, NOBODY, STAY, \
       2, 0, 4, polynomial_rhs_cubic_last, model_no_gap, polynomial_flow_cubic_last, FLOW_LANES(polynomial_flow_cubic_last)) \
     INSTANCES_MORE(X)
+
+#define INSTANCES_BESIDE(X) \
+    X(rig, m == &hertz_rig && !(active & (1u << RIG_BASE | 1u << RIG_STIFFNESS)), \
+      1, 2, 1, RIG_BASE, hertz_rig_rhs_forced, hertz_rig_gap_forced, hertz_rig_flow_forced) \
+    X(rig_moved, m == &hertz_rig, 1, 2, 1, RIG_INPUTS, hertz_rig_rhs, hertz_rig_gap, hertz_rig_flow)
 /* clang-format on */
 
 #endif

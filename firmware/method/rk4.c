@@ -14,48 +14,11 @@
 #include "firmware/method/instances.h"
 #include "firmware/method/switch.h"
 
-typedef void rhs_function(const double *p, const struct input *u, const double *x, double *x_dot);
-typedef void gap_function(const double *p, const struct input *u, const double *x, struct input *gap);
-
-/* The model as compile-time constants of one instantiation. */
-struct inlined {
-    rhs_function *rhs;
-    gap_function *gap;
-    int n, n_contacts;
-};
-
-/* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. The stage velocities are
- * put into the stage positions. So the chain from one force to the next is two operations shorter, and the
- * positions need the sum of three accelerations only. */
-ALWAYS_INLINE void advance(struct inlined m, const double *p, double h, const struct input *begin,
-                           const struct input *middle, const struct input *end, const double *x, double *x1)
-{
-    double k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
-    double half = 0.5 * h, quarter = half * half, square = half * h;
-    int n = m.n / 2;
-    m.rhs(p, begin, x, k1);
-    for (int i = 0; i < n; i++) {
-        y[i] = x[i] + half * x[n + i];
-        y[n + i] = x[n + i] + half * k1[n + i];
-    }
-    m.rhs(p, middle, y, k2);
-    for (int i = 0; i < n; i++) {
-        y[i] = (x[i] + half * x[n + i]) + quarter * k1[n + i];
-        y[n + i] = x[n + i] + half * k2[n + i];
-    }
-    m.rhs(p, middle, y, k3);
-    for (int i = 0; i < n; i++) {
-        y[i] = (x[i] + h * x[n + i]) + square * k2[n + i];
-        y[n + i] = x[n + i] + h * k3[n + i];
-    }
-    m.rhs(p, end, y, k4);
-    double sixth = h * (1.0 / 6.0), sixth_square = h * sixth;
-    for (int i = 0; i < n; i++) {
-        double twice = k2[n + i] + k3[n + i];
-        x1[i] = (x[i] + h * x[n + i]) + sixth_square * (k1[n + i] + twice);
-        x1[n + i] = x[n + i] + sixth * ((k1[n + i] + k4[n + i]) + 2.0 * twice);
-    }
-}
+#define real       double
+#define REAL(name) name
+#include "firmware/method/rk4_text.h"
+#undef real
+#undef REAL
 
 static bool inside(const double *x, int n, double limit)
 {

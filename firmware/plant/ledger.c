@@ -6,29 +6,6 @@
 #include "models/check.h"
 #include "firmware/method/instances.h"
 
-/* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
-static inline void add(struct sum *s, double x)
-{
-    double t = s->value + x, part = t - s->value;
-    s->carry += (s->value - (t - part)) + (x - part);
-    s->value = t;
-}
-
-void sum_add(struct sum *s, double x)
-{
-    add(s, x);
-}
-
-double sum_of(const struct sum *s)
-{
-    return s->value + s->carry;
-}
-
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 typedef void flow_function(const double *p, const struct input *u, const double *x, struct flow *flow);
 #if TICK_LANES > 1
 typedef void lanes_function(const double *p, const struct input_lanes *u, const real_lanes *x,
@@ -61,10 +38,13 @@ void ledger_weigh(struct ledger *l, double length)
                                    .mean = apart ? -0.875 : 1.0};
 }
 
-#define real       double
-#define REAL(name) name
+#define number       double
+#define NUMBER(name) name
+#define real         double
+#define REAL(name)   name
 #define EACH
 #include "firmware/plant/ledger_middle.h"
+#include "firmware/plant/ledger_piece.h"
 #undef real
 #undef REAL
 #undef EACH
@@ -78,45 +58,17 @@ void ledger_weigh(struct ledger *l, double length)
 #undef REAL
 #undef EACH
 #endif
+#undef number
+#undef NUMBER
 
-/* Adds what a piece moved. */
-ALWAYS_INLINE void book(int n_inputs, struct ledger *l, const double *work, double damping)
+void sum_add(struct sum *s, double x)
 {
-    double gross = l->gross;
-    unsigned active = l->active;
-    UNROLL
-    for (int i = 0; i < n_inputs; i++) {
-        if (!((active >> i) & 1u))
-            continue;
-        add(&l->work[i], work[i]);
-        gross += fabs(work[i]);
-    }
-    add(&l->damping, damping);
-    l->gross = gross + damping;
+    add(s, x);
 }
 
-/* One piece. Its end is handed to the next one field by field: those that an instantiation does not set cost
- * nothing. Velocities stand in the state. */
-ALWAYS_INLINE double one_piece(struct inlined m, struct ledger *l, const double *p,
-                               const struct input (*at)[MODEL_INPUTS], const double *x0, const double *x1)
+double sum_of(const struct sum *s)
 {
-    struct flow *begin = &l->flow, end, middle;
-    double x[MODEL_STATES], work[MODEL_INPUTS] = {0}, sixth = l->rule.sixth;
-    m.flow(p, at[1], x1, &end);
-    middle_of(m.n, &l->rule, begin->x_dot, end.x_dot, x0, x1, x);
-    m.flow(p, at[0], x, &middle);
-    UNROLL
-    for (int i = 0; i < m.n_inputs; i++) {
-        work[i] = simpson(sixth, begin->work[i], middle.work[i], end.work[i]);
-        begin->work[i] = end.work[i];
-    }
-    book(m.n_inputs, l, work, simpson(sixth, begin->damping, middle.damping, end.damping));
-    double force = larger(begin->force, larger(middle.force, end.force));
-    for (int k = m.n / 2; k < m.n; k++)
-        begin->x_dot[k] = end.x_dot[k];
-    begin->damping = end.damping;
-    begin->force = end.force;
-    return force;
+    return s->value + s->carry;
 }
 
 #if TICK_LANES > 1
@@ -188,7 +140,7 @@ ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const doub
         for (int i = 0; i < m.n_inputs; i++)
             begin.work[i] = found->work[i];
         begin.damping = found->damping;
-        force = larger(found->force[0], found->force[1]);
+        force = real_larger(found->force[0], found->force[1]);
     }
     middle_of_lanes(m.n, &l->rule, begin.x_dot, end.x_dot, from, to, x);
     m.lanes(p, u[0], x, &middle);
@@ -203,7 +155,7 @@ ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const doub
         for (int i = 0; i < m.n_inputs; i++)
             of_tick[i] = work[i][k];
         book(m.n_inputs, l, of_tick, damping[k]);
-        force = larger(force, larger(middle.force[k], end.force[k]));
+        force = real_larger(force, real_larger(middle.force[k], end.force[k]));
     }
     last->force = end.force[1];
     return force;
@@ -240,7 +192,7 @@ ALWAYS_INLINE double one_by_one(one_function *one, struct ledger *l, const doubl
     for (uint32_t k = 0; k < n; k++) {
         if (anew)
             l->model->flow(p, at[2 * k + 1], x[k], &l->flow);
-        force = larger(force, one(l, p, &at[2 * k + 1], x[k], x[k + 1]));
+        force = real_larger(force, one(l, p, &at[2 * k + 1], x[k], x[k + 1]));
     }
     return force;
 }
@@ -382,7 +334,7 @@ double ledger_take_ticks(struct ledger *l, unsigned active, const struct method_
     for (uint32_t k = 0; k < n; k++) {
         gross += b[k].damping;
         add(&damping, b[k].damping);
-        force = larger(force, b[k].force);
+        force = real_larger(force, b[k].force);
         for (int i = 0; active >> i != 0; i++) {
             if (!((active >> i) & 1u))
                 continue;

@@ -1,4 +1,5 @@
-/* ledger_middle.h - the ledger's rule over a piece; a text for ledger.c, see models/lanes.h. */
+/* ledger_middle.h - the ledger's rule over a piece; a text for ledger.c and host_sim/beside/ledger_beside.c,
+ * see models/lanes.h. */
 
 /* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends: of the
  * quintic Hermite polynomial
@@ -6,8 +7,8 @@
  *   q = (q0 + q1)/2 + 5 h (v0 - v1)/32 + h^2 (a0 + a1)/64
  *
  *   v = 15/8 (q1 - q0)/h - 7 (v0 + v1)/16 + h (a1 - a0)/32 */
-ALWAYS_INLINE void REAL(middle_of)(int n, const struct ledger_rule *r, const real *a0, const real *a1,
-                                   const real *x0, const real *x1, real *x)
+ALWAYS_INLINE void REAL(middle_of)(int n, const struct NUMBER(ledger_rule) * r, const real *a0,
+                                   const real *a1, const real *x0, const real *x1, real *x)
 {
     EACH for (int i = 0, k = n / 2; k < n; i++, k++)
     {
@@ -19,7 +20,7 @@ ALWAYS_INLINE void REAL(middle_of)(int n, const struct ledger_rule *r, const rea
 }
 
 /* Simpson's rule over a power at both ends and in the middle. */
-ALWAYS_INLINE real REAL(simpson)(double sixth, real begin, real middle, real end)
+ALWAYS_INLINE real REAL(simpson)(number sixth, real begin, real middle, real end)
 {
     return sixth * ((begin + end) + 4.0 * middle);
 }

@@ -891,6 +891,22 @@ static void look_at_ticks(struct plant *pl, const struct quiet *q, uint32_t from
     copy_state(pl->x, x, n); /* a step that was no good may have gone on */
 }
 
+/* The plant goes to the end of the ticks that are done, and not good: through the next one. */
+ALWAYS_INLINE bool stop_quiet(struct plant *pl, struct quiet *q, bool good, plant_look *look, void *who)
+{
+    book_ticks(pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
+    show_tick(pl, q, q->done);
+    pass_ticks(pl, q);
+    if (good) {
+        copy_state(pl->x, q->b.x[q->done], pl->model->n_states);
+        return true;
+    }
+    good = end_quiet(pl, q);
+    if (good && look)
+        look(who, pl);
+    return good;
+}
+
 /* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and
  * segment do, without asking in each tick what does not change. */
 ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *held, plant_look *look,
@@ -920,17 +936,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *he
                 look_at_ticks(pl, &q, q.done - 1, look, who);
         }
     }
-    book_ticks(pl, &q, ticks_from(&q.b, q.booked), q.done - q.booked);
-    show_tick(pl, &q, q.done);
-    pass_ticks(pl, &q);
-    if (good) {
-        copy_state(pl->x, q.b.x[q.done], pl->model->n_states);
-        return true;
-    }
-    good = end_quiet(pl, &q);
-    if (good && look)
-        look(who, pl);
-    return good;
+    return stop_quiet(pl, &q, good, look, who);
 }
 
 /* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each, if not
@@ -1007,6 +1013,167 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
         look(who, pl);
     }
     return true;
+}
+
+/* ---- several plants side by side ---- */
+
+/* Quiet ticks under way of several plants, whose blocks begin and end together. Behind the last plant stands
+ * that one once more. */
+struct company {
+    uint32_t n;
+    struct plant_run *r[SIDES];
+    struct quiet q[SIDES];
+    bool good[SIDES]; /* the tick behind those that are done is one to its end */
+    struct method_side side[SIDES];
+    struct ledger_side books[SIDES];
+    run_beside_function *run;
+    ledger_beside_function *book;
+};
+
+/* Begins; returns the ticks that all of them have. */
+static uint32_t begin_company(struct company *c)
+{
+    uint32_t n = PHASOR_RESYNC_TICKS;
+    for (uint32_t i = 0; i < SIDES; i++) {
+        uint32_t k = i < c->n ? i : c->n - 1;
+        struct plant *pl = c->r[k]->pl;
+        uint64_t left = c->r[k]->to - pl->now.tick;
+        if (i < c->n)
+            n = begin_quiet(pl, left < n ? (uint32_t)left : n, NULL, &c->q[i]);
+        c->good[i] = true;
+        c->side[i] = (struct method_side){.p = pl->p, .b = &c->q[k].b};
+        c->books[i] = (struct ledger_side){&pl->ledger, 0.0};
+    }
+    return n;
+}
+
+/* The block is full, and booked: its end moves to its begin. */
+static void turn_over(struct quiet *q, int n_states)
+{
+    struct method_block *b = &q->b;
+    copy_state(b->x[0], b->x[BLOCK_TICKS], n_states);
+    memcpy(b->at[0], b->at[2 * BLOCK_TICKS], sizeof b->at[0]);
+    memcpy(b->phasor[0], b->phasor[BLOCK_TICKS], sizeof b->phasor[0]);
+    b->instant += BLOCK_TICKS * TICK_FRACTIONS;
+    q->origin += BLOCK_TICKS;
+    q->done = q->booked = q->filled = 0;
+}
+
+/* n ticks of the block are moved to, those of one plant. */
+static void turn_drives(struct plant *pl, struct quiet *q, uint32_t n)
+{
+    struct ticks t = ticks_from(&q->b, q->done);
+    unsigned drives = q->turning;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (drives & 1u)
+            drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], (int)n);
+    }
+    if (q->sloping)
+        climb(pl, q, t, n);
+}
+
+/* Tick `done` of the block once more, alone: one of the plants may not take it to its end. Then looks. */
+static void end_block(struct company *c, uint32_t i, uint32_t moved, bool stopped)
+{
+    const struct plant_run *r = c->r[i];
+    struct quiet *q = &c->q[i];
+    uint32_t from = q->done;
+    r->pl->segment.instant += moved * TICK_FRACTIONS;
+    rise_to(&r->pl->peak_force, c->books[i].force);
+    q->done = q->booked = from + moved;
+    if (stopped) {
+        c->good[i] = step_suspect(r->pl, q, ticks_from(&q->b, q->done));
+        q->done += c->good[i];
+        book_ticks(r->pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
+        q->booked = q->done;
+    }
+    if (r->several && q->done > from)
+        r->several(r->who, r->pl, &q->b, from, q->done - from);
+    else if (r->look)
+        look_at_ticks(r->pl, q, from, r->look, r->who);
+}
+
+/* Up to n ticks in the blocks; returns those that are done, 0 when one of the plants has no more. */
+static uint32_t run_company(struct company *c, uint32_t n)
+{
+    uint32_t from = c->q[0].done % BLOCK_TICKS, room = BLOCK_TICKS - from, asked = n < room ? n : room;
+    for (uint32_t i = 0; i < SIDES; i++) {
+        struct quiet *q = &c->q[i < c->n ? i : c->n - 1];
+        if (q->done == BLOCK_TICKS)
+            turn_over(q, c->r[i]->pl->model->n_states);
+        if (i < c->n)
+            turn_drives(c->r[i]->pl, q, asked);
+        c->side[i].at = &q->b.at[2 * from];
+        c->side[i].x = &q->b.x[from];
+    }
+    uint32_t moved = c->run(c->side, asked);
+    bool stopped = moved < asked, good = true;
+    if (moved > 0)
+        c->book(c->books, c->side, c->n, moved);
+    for (uint32_t i = 0; i < c->n; i++) {
+        end_block(c, i, moved, stopped);
+        good = good && c->good[i];
+    }
+    return good ? moved + stopped : 0;
+}
+
+/* Single ticks up to one that may begin a block; false: there is none, or none of a block beside others. */
+static bool come_to_quiet(struct plant_run *r)
+{
+    struct plant *pl = r->pl;
+    while (r->good && pl->now.tick < r->to) {
+        if (pl->now.tick + QUIET_FEW < r->to && begins_quiet(pl))
+            return true;
+        r->good = plant_advance(pl, (struct instant){pl->now.tick + 1, 0});
+        if (r->good && r->look)
+            r->look(r->who, pl);
+    }
+    return false;
+}
+
+static void run_alone(struct plant_run *r)
+{
+    uint64_t ticks = r->to - r->pl->now.tick;
+    r->good = r->good &&
+              (r->look ? plant_run_seen(r->pl, ticks, r->look, r->several, r->who) : plant_run(r->pl, ticks));
+}
+
+/* Those of the n plants that are of the first one's kind and have quiet ticks next; false: they are too few.
+ */
+static bool gather(struct company *c, struct plant_run *r, uint32_t n, const struct plant_beside *by)
+{
+    const struct plant *first = r[0].pl;
+    unsigned active = 0;
+    c->n = 0;
+    for (uint32_t i = 0; i < n && n > 1; i++) {
+        const struct plant *pl = r[i].pl;
+        if (pl->model != first->model || !pl->bind_run || !by->run(pl, 0) || !come_to_quiet(&r[i]) ||
+            pl->books != BOOKS_OF_LEDGER || !by->run(pl, 0))
+            continue;
+        active |= pl->segment.active;
+        c->r[c->n++] = &r[i];
+    }
+    if (c->n < 2)
+        return false;
+    c->run = by->run(c->r[0]->pl, active);
+    c->book = by->book(first->model, active);
+    return true;
+}
+
+void plant_run_beside(struct plant_run *r, uint32_t n, const struct plant_beside *by)
+{
+    struct company c;
+    for (uint32_t i = 0; i < n; i++)
+        r[i].good = true;
+    while (gather(&c, r, n, by)) {
+        uint32_t left = begin_company(&c), done = 1;
+        for (; left > 0 && done > 0; left -= done)
+            done = run_company(&c, left);
+        for (uint32_t i = 0; i < c.n; i++)
+            c.r[i]->good = stop_quiet(c.r[i]->pl, &c.q[i], c.good[i], c.r[i]->look, c.r[i]->who);
+    }
+    for (uint32_t i = 0; i < n; i++)
+        run_alone(&r[i]);
 }
 
 /* Input i is all that sounds, it may jump, and its sample is all of it, as it was in the last tick. */

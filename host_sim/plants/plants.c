@@ -1,6 +1,7 @@
 /* plants.c - see plants.h. */
 #include "firmware/bus/wire_table.h"
 #include "firmware/plant/plant_report.h"
+#include "host_sim/beside/beside.h"
 #include "host_sim/plants/plants.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/names.h"
@@ -149,13 +150,32 @@ void plants_flush(struct plants *p)
         share_flush(&p->share);
 }
 
-void plants_frame(struct plants_one *one)
+static bool go_together(const struct plants_one *a, const struct plants_one *b)
 {
-    if (one->due == 0)
+    const struct plant *one = &a->scene.app.plant, *other = &b->scene.app.plant;
+    return a->due > 0 && b->due > 0 && one->model == other->model && one->method == other->method;
+}
+
+int plants_together(const struct plants *p, int i)
+{
+    int n = 1;
+    while (n < SIDES && i + n < p->n && go_together(&p->one[i], &p->one[i + n]))
+        n++;
+    return n;
+}
+
+void plants_frames(struct plants *p, int i, int n)
+{
+    struct app *app[SIDES] = {NULL};
+    if (p->one[i].due == 0)
         return;
-    app_frame(&one->scene.app);
-    one->faults |= one->scene.app.faults;
-    one->due--;
+    for (int k = 0; k < n; k++)
+        app[k] = &p->one[i + k].scene.app;
+    app_frames(app, (uint32_t)n, &beside_plants);
+    for (int k = 0; k < n; k++) {
+        p->one[i + k].faults |= app[k]->faults;
+        p->one[i + k].due--;
+    }
 }
 
 /* ---- what they have done ---- */

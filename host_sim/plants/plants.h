@@ -50,8 +50,12 @@ void plants_begin(struct plants *p, uint32_t begun);
 void plants_collect(struct plants *p);
 void plants_flush(struct plants *p);
 
-/* The frame of one plant that is due; nothing where none is. */
-void plants_frame(struct plants_one *one);
+/* How many plants from plant i on, at most SIDES, have their frames together: those that are due and of one
+ * model and method. 1 where plant i has none due. */
+int plants_together(const struct plants *p, int i);
+
+/* The frames of so many plants from plant i on; nothing where none is due. */
+void plants_frames(struct plants *p, int i, int n);
 
 /* A line for each plant of a list, on stdout: identifiers, state, time, hash, faults, what it missed. */
 void plants_report(const struct plants *p);

@@ -226,12 +226,14 @@ static void one_frame(struct run *s, int64_t late_ns)
     int64_t begin = clock_now_ns();
     bus_set_frame(&s->bus, s->scene->app.frame, s->period_s, 0);
     plants_collect(&s->plants);
-    for (int i = 0; i < s->plants.n; i++) {
-        struct plants_one *one = &s->plants.one[i];
-        if (late_ns >= 0)
-            note_lateness(s, &one->scene.app, late_ns + (i ? clock_now_ns() - begin : 0));
-        plants_frame(one);
-        s->warned = s->warned || warn_of_neighbours(&one->scene.app);
+    for (int i = 0, n; i < s->plants.n; i += n) {
+        n = plants_together(&s->plants, i);
+        int64_t late = late_ns + (i ? clock_now_ns() - begin : 0);
+        for (int k = i; k < i + n && late_ns >= 0; k++)
+            note_lateness(s, &s->plants.one[k].scene.app, late);
+        plants_frames(&s->plants, i, n);
+        for (int k = i; k < i + n; k++)
+            s->warned = s->warned || warn_of_neighbours(&s->plants.one[k].scene.app);
     }
     plants_flush(&s->plants);
     spread_add(&s->compute, clock_now_ns() - begin);

@@ -10,7 +10,7 @@ FLOORS = """
 models hal/hal hal/device host_sim/version host_sim/commands host_sim/out
 firmware/method hal/link hal/can host_sim/batch
 firmware/plant hal/posix hal/ethernet
-firmware/bus hal/board
+firmware/bus hal/board host_sim/beside
 firmware/stage
 firmware/observe firmware/afm
 firmware/app

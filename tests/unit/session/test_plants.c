@@ -26,8 +26,10 @@ static void start_plants(void)
 
 static void frame_of_all(void)
 {
-    for (int i = 0; i < N; i++)
-        plants_frame(&plants.one[i]);
+    for (int i = 0, n; i < N; i += n) {
+        n = plants_together(&plants, i);
+        plants_frames(&plants, i, n);
+    }
 }
 
 static void check_frames(const char *name, int i, int frames, int due)

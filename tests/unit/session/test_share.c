@@ -4,6 +4,7 @@
 #include "firmware/plant/plant_report.h"
 #include "hal/link/loopback.h"
 #include "hal/link/share.h"
+#include "host_sim/beside/beside.h"
 #include "tests/fixture/bus.h"
 #include "tests/unit/test.h"
 
@@ -126,8 +127,10 @@ static void frame_of_shares(struct app *app, uint32_t n)
 {
     struct frame f;
     share_collect(&share);
+    struct app *together[PLANTS] = {NULL};
     for (uint32_t i = 0; i < n; i++)
-        app_frame(&app[i]);
+        together[i] = &app[i];
+    app_frames(together, n, &beside_plants);
     share_flush(&share);
     while (wires.port[THEIRS].hal.recv(wires.port[THEIRS].hal.context, &f))
         continue;

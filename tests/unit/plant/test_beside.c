@@ -1,0 +1,207 @@
+/* test_beside.c - plants side by side have the bits of plants one by one. */
+#include "tests/unit/test.h"
+
+#include <string.h>
+#include "firmware/plant/plant_change.h"
+#include "host_sim/beside/beside.h"
+#include "host_sim/beside/ledger_beside.h"
+#include "host_sim/beside/ledger_beside_avx2.h"
+#include "host_sim/beside/rk4_beside.h"
+#include "host_sim/beside/rk4_beside_avx2.h"
+#include "models/hertz_rig.h"
+#include "models/models.h"
+#include "tests/fixture/any_motion.h"
+
+enum { RUNS = 150, PARTS = 25, LONGEST = 200 };
+
+static struct plant one_by_one[SIDES], beside[SIDES];
+static double scratch[2][SIDES][METHOD_SCRATCH];
+static struct stages stages[2][SIDES];
+
+/* All that a plant shows at the ends of its ticks. */
+static uint64_t seen[2][SIDES];
+
+static void look(void *sum, const struct plant *pl)
+{
+    uint64_t word, *s = sum;
+    for (int i = 0; i < 2 + MODEL_INPUTS; i++) {
+        double shown = i < 2 ? pl->x[i] : pl->segment.at[2][i - 2].value;
+        memcpy(&word, &shown, sizeof word);
+        *s = *s * 31 + word;
+    }
+    *s = *s * 31 + pl->now.tick;
+}
+
+/* Plants that differ in their masses, and in one of eight in model or method. */
+static bool start_plants(uint32_t n)
+{
+    double si[MODEL_PARAMETERS];
+    for (uint32_t i = 0; i < n; i++) {
+        bool other = any_pick(8) == 0;
+        const struct model *m = other ? model_table[any_pick(MODELS)] : &hertz_rig;
+        const struct method *own = any_pick(2) ? &rk4 : &auto_method,
+                            *method = other ? method_table[any_pick(METHODS)] : own;
+        double tick_s = any_tick_s(m);
+        if (!any_start(&one_by_one[i], m, method, tick_s, scratch[0][i], &stages[0][i]) ||
+            !any_start(&beside[i], m, method, tick_s, scratch[1][i], &stages[1][i]))
+            return false;
+        memcpy(si, one_by_one[i].si, sizeof si);
+        si[RIG_MASS] *= any_between(0.8, 1.0);
+        const char *why = plant_change(&one_by_one[i], si), *other_why = plant_change(&beside[i], si);
+        if (why != other_why)
+            check_true("both refuse the mass", false);
+        seen[0][i] = seen[1][i] = 0;
+    }
+    return true;
+}
+
+static void command(uint32_t i)
+{
+    uint32_t kind = any_pick(9);
+    int input = (int)any_pick((uint32_t)beside[i].model->n_inputs);
+    double a = any_between(0.0, 1.0), b = any_between(0.0, 1.0);
+    any_command(&one_by_one[i], kind, input, a, b);
+    any_command(&beside[i], kind, input, a, b);
+}
+
+/* Each plant runs ticks of its own; some are looked at. Returns those that differ then. */
+static int run_part(uint32_t n)
+{
+    struct plant_run r[SIDES];
+    bool good[SIDES];
+    uint32_t ticks = 1 + any_pick(LONGEST);
+    int n_differ = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        struct plant *pl = &one_by_one[i];
+        uint32_t own = any_pick(3) > 0 ? ticks : 1 + any_pick(LONGEST);
+        r[i] = (struct plant_run){.pl = &beside[i], .to = beside[i].now.tick + own};
+        if (any_pick(2)) {
+            r[i].look = look;
+            r[i].who = &seen[1][i];
+            good[i] = plant_run_seen(pl, own, look, NULL, &seen[0][i]);
+        } else {
+            good[i] = plant_run(pl, own);
+        }
+    }
+    plant_run_beside(r, n, &beside_plants);
+    for (uint32_t i = 0; i < n; i++) {
+        n_differ += good[i] != r[i].good || seen[0][i] != seen[1][i] || !any_same(&one_by_one[i], &beside[i]);
+        if (!good[i]) { /* both go on from rest */
+            plant_reset(&one_by_one[i]);
+            plant_reset(&beside[i]);
+        }
+    }
+    return n_differ;
+}
+
+/* A snapshot of one of them: what was tried in between leaves nothing. */
+static void try_and_return(uint32_t i)
+{
+    struct plant copy = beside[i];
+    static double kept[METHOD_SCRATCH];
+    memcpy(kept, scratch[1][i], sizeof kept);
+    (void)!plant_run(&beside[i], 30);
+    beside[i] = copy;
+    memcpy(scratch[1][i], kept, sizeof kept);
+}
+
+/* 2 to SIDES plants with random commands: they meet switches, corners, ramps, noise and phasors that are due
+ * at instants of their own. */
+TEST(beside_plants)
+{
+    int n_runs = 0, n_differ = 0;
+    uint64_t switches = 0, ticks = 0;
+    any_seed = 7;
+    while (n_runs < RUNS) {
+        uint32_t n = 2 + any_pick(SIDES - 1);
+        if (!start_plants(n))
+            continue;
+        n_runs++;
+        for (int k = 0; k < PARTS; k++) {
+            for (uint32_t i = 0; i < n; i++) {
+                if (any_pick(4) == 0)
+                    command(i);
+                if (any_pick(32) == 0)
+                    try_and_return(i);
+            }
+            n_differ += run_part(n);
+        }
+        for (uint32_t i = 0; i < n; i++) {
+            switches += beside[i].counts.switches;
+            ticks += beside[i].now.tick;
+        }
+    }
+    check_int("plants that differ from those one by one", n_differ, 0);
+    check_above("ticks", (double)ticks, 1e6);
+    check_above("contact switches among them", (double)switches, 1e4);
+}
+
+/* ---- the width of vectors ---- */
+
+/* Blocks of ticks near contact, and ledgers under way. */
+static void fill(struct method_block *b, struct ledger *l)
+{
+    for (int i = 0; i < SIDES; i++) {
+        memset(&l[i], 0, sizeof l[i]);
+        memset(&b[i], 0, sizeof b[i]);
+        l[i].active = b[i].active = (1u << RIG_INPUTS) - 1u;
+        b[i].regime = 1;
+        b[i].length = any_between(0.01, 0.1);
+        ledger_weigh(&l[i], b[i].length);
+        b[i].x[0][0] = any_between(0.01, 1.3);
+        b[i].x[0][1] = any_between(-0.3, 0.3);
+        for (int k = 0; k <= 2 * BLOCK_TICKS; k++)
+            for (int j = 0; j < RIG_INPUTS; j++)
+                b[i].at[k][j] = (struct input){any_between(-0.1, 0.1), any_between(-0.1, 0.1)};
+    }
+}
+
+/* Moves and books a block; returns the ticks moved. */
+static uint32_t run_block(run_beside_function *run, ledger_beside_function *book, struct method_block *b,
+                          struct ledger *l)
+{
+    static const double p[MODEL_DERIVED] = {[RIG_P_TWO_XI] = 0.03};
+    struct method_side side[SIDES];
+    struct ledger_side books[SIDES];
+    for (int i = 0; i < SIDES; i++) {
+        side[i] = (struct method_side){p, &b[i], b[i].at, b[i].x};
+        books[i] = (struct ledger_side){&l[i], 0.0};
+    }
+    uint32_t moved = run(side, BLOCK_TICKS);
+    book(books, side, SIDES, moved);
+    for (int i = 0; i < SIDES; i++)
+        l[i].most = books[i].force;
+    return moved;
+}
+
+TEST(beside_widths)
+{
+#if defined(BESIDE_AVX2)
+    static struct method_block narrow[SIDES], wide[SIDES];
+    static struct ledger narrow_ledger[SIDES], wide_ledger[SIDES];
+    unsigned active[2] = {1u << RIG_FORCE, 1u << RIG_BASE};
+    uint32_t moved = 0;
+    int n_differ = 0;
+    any_seed = 3;
+    if (!__builtin_cpu_supports("avx2"))
+        return;
+    for (int k = 0; k < 2000; k++) {
+        unsigned which = active[k % 2];
+        fill(narrow, narrow_ledger);
+        memcpy(wide, narrow, sizeof wide);
+        memcpy(wide_ledger, narrow_ledger, sizeof wide_ledger);
+        uint32_t n = run_block(rk4_bind_beside_plain(&hertz_rig, which),
+                               ledger_bind_beside_plain(&hertz_rig, which), narrow, narrow_ledger);
+        n_differ += n != run_block(rk4_bind_beside_avx2(&hertz_rig, which),
+                                   ledger_bind_beside_avx2(&hertz_rig, which), wide, wide_ledger);
+        n_differ += memcmp(wide, narrow, sizeof wide) != 0 ||
+                    memcmp(wide_ledger, narrow_ledger, sizeof wide_ledger) != 0;
+        moved += n;
+    }
+    check_int("blocks whose bits depend on the width of vectors", n_differ, 0);
+    check_above("ticks moved", moved, 5000);
+    check_below("of those asked for", moved, 2000 * BLOCK_TICKS - 1000);
+#else
+    check_true("no model goes side by side without vectors, or by one width only", true);
+#endif
+}
