@@ -86,20 +86,21 @@ static int find_unseen(struct fit_setup *s, enum problem_form form, const double
     return n;
 }
 
-/* The least squares of the linear form from u, or from a far better place of the grid. */
+/* The least squares of the linear form from u; of a plant with gaps, or from a far better place of the grid.
+ */
 static void solve_linear(struct fit_setup *s, double *u)
 {
     struct problem p = {s, PROBLEM_LINEAR};
     double cost[LINEAR_TRIED], place[LINEAR_TRIED][FIT_UNKNOWNS], at[FIT_UNKNOWNS] = {0.0};
     bool seen[FIT_UNKNOWNS];
     int steps;
-    (void)find_unseen(s, PROBLEM_LINEAR, u, seen);
+    int points = find_unseen(s, PROBLEM_LINEAR, u, seen) ? LINEAR : 0;
     for (int k = 0; k < s->n; k++)
         seen[k] = !seen[k] && s->unknown[k].kind == FIT_PARAMETER;
     double *r = calloc((size_t)problem_size(s, PROBLEM_LINEAR) + 1, sizeof *r);
     for (int i = 0; i < LINEAR_TRIED; i++)
         cost[i] = HUGE_VAL;
-    for (int i = 0; r && i < LINEAR; i++) {
+    for (int i = 0; r && i < points; i++) {
         grid_point(s, u, seen, i, at);
         keep_best(LINEAR_TRIED, cost, place, problem_residuals(&p, at, r), at);
     }

@@ -166,11 +166,12 @@ static void compare_linear(const struct curve *c, int i, double re, double im, d
     r[1] = relative * (p->im * re - p->re * im) / square;
 }
 
-/* The curves of the first one's drive: it is the smallest. */
+/* The first curve, whose drive is the smallest, and those of other outputs at this drive. */
 static int smallest_curves(const struct curves *d)
 {
-    int n = 0;
-    while (n < d->n && d->curve[n].input == d->curve[0].input &&
+    int n = d->n > 0;
+    while (n && n < d->n && d->curve[n].input == d->curve[0].input &&
+           d->curve[n].output != d->curve[0].output &&
            d->curve[n].amplitude <= one_drive * d->curve[0].amplitude)
         n++;
     return n;
