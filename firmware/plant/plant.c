@@ -513,6 +513,7 @@ static uint32_t begin_quiet(struct plant *pl, uint32_t n, const struct samples *
         struct drive *d = &pl->drive[i];
         if ((e->active >> i) & 1u) {
             e->at[2][i] = drive_steady(d, pl->ticks_per_time, &e->wave[i]);
+            e->at[0][i] = e->at[1][i] = e->at[2][i]; /* the last one may have held samples told ahead */
             if (d->resync_left < n)
                 n = d->resync_left;
             if (drive_slope_ticks(d) < n)
