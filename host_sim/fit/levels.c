@@ -16,27 +16,49 @@
 enum { POINTS = 45, LEVELS = 5 };
 static const double low = 0.6, high = 1.25; /* ends of the curves over the resonance */
 static const double noise = 0.01;
+static const double slowest = 1e-3; /* resonance, over the eigenfrequency of the closed contact */
 /* The motion of the linear plant at its resonance, in the model's unit of length: a rig's static compression.
  */
 static const double motion[LEVELS] = {0.03, 0.1, 0.3, 1.0, 3.0};
+
+/* The size of the linear response at this frequency; 0: there is none. */
+static double respond_at(const struct orbit_task *t, double frequency_Hz)
+{
+    double re, im;
+    return linear_response(t, frequency_Hz, &re, &im) ? sqrt(re * re + im * im) : 0.0;
+}
+
+/* The highest peak of the linear response between a share of the closed contact's eigenfrequency, which is
+ * the fastest, and 1.1 of it; without a peak, that eigenfrequency. A shaft with open gaps moves far below. */
+static double find_peak(const struct orbit_task *t, double eigenfrequency_Hz)
+{
+    double at = eigenfrequency_Hz, highest = 0.0, before = HUGE_VAL, here = HUGE_VAL;
+    for (double f = slowest * eigenfrequency_Hz; f < 1.1 * eigenfrequency_Hz; f *= 1.0 + 1e-3) {
+        double next = respond_at(t, f);
+        if (here > before && here >= next && here > highest) {
+            highest = here;
+            at = f / (1.0 + 1e-3);
+        }
+        before = here;
+        here = next;
+    }
+    return at;
+}
 
 /* The resonance, and the drive for a linear motion of 1 there. False: the drive does not move the output. */
 static bool find_resonance(struct fit_setup *s, double *frequency_Hz, double *drive)
 {
     struct orbit_task t = s->task;
-    double p[MODEL_DERIVED], re, im, largest = 0.0;
+    double p[MODEL_DERIVED];
     struct scale scale;
     t.amplitude = 1.0;
     t.output = s->scene.observable;
     t.model->prepare(t.si, p, &scale);
-    double middle = t.model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s);
-    for (double f = 0.8 * middle; f < 1.1 * middle; f += 1e-3 * middle)
-        if (linear_response(&t, f, &re, &im) && sqrt(re * re + im * im) > largest) {
-            largest = sqrt(re * re + im * im);
-            *frequency_Hz = f;
-        }
-    *drive = largest > 0.0 ? scale_of(&scale, t.model->output_signal[t.output].quantity) / largest : 0.0;
-    return largest > 0.0;
+    *frequency_Hz = find_peak(&t, t.model->eigenfrequency(p) / (2.0 * ELEMENTARY_PI * scale.time_s));
+    double motion_of_1 = respond_at(&t, *frequency_Hz);
+    *drive =
+        motion_of_1 > 0.0 ? scale_of(&scale, t.model->output_signal[t.output].quantity) / motion_of_1 : 0.0;
+    return motion_of_1 > 0.0;
 }
 
 /* A curve of this drive behind those that are there. */

@@ -17,6 +17,7 @@
 
 enum { FEW = 6 /* parameters that are all free where none is named */ };
 static const double tol_most = 1e-9;
+static const double size_most = 1e9, size_least = 1e-12; /* data over the scene's own scale */
 static const double least_of_start = 1e-9; /* a number that may be 0 stays above this share of its start */
 
 static const struct chain_unknown {
@@ -360,6 +361,64 @@ static int make_room(struct fit_setup *s)
     return 0;
 }
 
+/* The largest motion or drive of a file, beside the scene's own scale of it. */
+static int check_size(const struct fit_setup *s, const char *path, const char *what, const char *unit,
+                      double x, double scale)
+{
+    if (!(x > 0.0) || (x <= size_most * scale && x >= size_least * scale))
+        return 0;
+    return misuse(s,
+                  "%s: %s is %.3g %s at most, and the scene's own scale of it is %.3g %s: is the unit right?",
+                  path, what, x, unit, scale, unit);
+}
+
+static double largest(const double *x, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i])); /* passes over NaN */
+    return most;
+}
+
+static int check_curve_size(const struct fit_setup *s, const struct curve *c, const struct scale *scale)
+{
+    const struct model *m = s->scene.model;
+    double own = scale_of(scale, m->output_signal[c->output].quantity), most = 0.0;
+    own /= c->derivatives ? scale->time_s : 1.0;
+    for (int i = 0; i < c->n; i++)
+        most = fmax(most, sqrt(c->point[i].re * c->point[i].re + c->point[i].im * c->point[i].im));
+    int status = check_size(s, c->path, "amplitude", m->input_signal[c->input].unit, c->amplitude,
+                            scale_of(scale, m->input_signal[c->input].quantity));
+    return status ? status : check_size(s, c->path, curve_name(c, m), curve_unit(c, m), most, own);
+}
+
+static int check_record_size(const struct fit_setup *s, const struct record *r, const struct scale *scale)
+{
+    const struct model *m = s->scene.model;
+    const struct signal *y = &m->output_signal[r->output],
+                        *u = r->input < 0 ? NULL : &m->input_signal[r->input];
+    int status = check_size(s, r->path, y->name, y->unit, largest(r->y, r->n), scale_of(scale, y->quantity));
+    if (!status && u && r->u)
+        status = check_size(s, r->path, u->name, u->unit, largest(r->u, r->n), scale_of(scale, u->quantity));
+    return status;
+}
+
+/* Data whose unit is wrong by many powers of ten are refused before any motion is computed. */
+static int check_sizes(const struct fit_setup *s)
+{
+    double p[MODEL_DERIVED];
+    struct scale scale;
+    int status = 0;
+    if (!s->data.n && !s->records.n)
+        return 0;
+    s->scene.model->prepare(s->scene.value, p, &scale);
+    for (int c = 0; c < s->data.n && !status; c++)
+        status = check_curve_size(s, &s->data.curve[c], &scale);
+    for (int i = 0; i < s->records.n && !status; i++)
+        status = check_record_size(s, &s->records.record[i], &scale);
+    return status;
+}
+
 /* The plant as it starts must run where the data are. */
 static int check_start(struct fit_setup *s)
 {
@@ -387,6 +446,7 @@ int fit_read(struct fit_setup *s)
 {
     int status = read_scene(s);
     status = status ? status : read_data(s);
+    status = status ? status : check_sizes(s);
     status = status ? status : read_unknowns(s);
     status = status ? status : make_room(s);
     return status ? status : check_start(s);
