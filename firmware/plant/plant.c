@@ -1018,6 +1018,8 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
 
 /* ---- several plants side by side ---- */
 
+enum { BESIDE_FEW = SIDES / 2 }; /* fewer plants take less one by one: all SIDES are computed */
+
 /* Quiet ticks under way of several plants, whose blocks begin and end together. Behind the last plant stands
  * that one once more. */
 struct company {
@@ -1154,7 +1156,7 @@ static bool gather(struct company *c, struct plant_run *r, uint32_t n, const str
         active |= pl->segment.active;
         c->r[c->n++] = &r[i];
     }
-    if (c->n < 2)
+    if (c->n < BESIDE_FEW)
         return false;
     c->run = by->run(c->r[0]->pl, active);
     c->book = by->book(first->model, active);
