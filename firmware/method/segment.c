@@ -102,13 +102,10 @@ static void end_at(struct segment *e, int n_inputs, struct segment *head)
     }
 }
 
-void segment_cut(struct segment *e, int n_inputs, double done, struct segment *head)
+/* Something is left: the inputs of both parts. */
+static void part_at(struct segment *e, int n_inputs, double done, struct segment *head)
 {
-    head->length = done;
-    head->active = e->active;
-    if (done == e->length)
-        end_at(e, n_inputs, head);
-    for (int i = 0; done < e->length && i < n_inputs; i++) {
+    for (int i = 0; i < n_inputs; i++) {
         for (int k = 0; k < 3; k++)
             head->at[k][i] = e->at[k][i];
         if (!((e->active >> i) & 1u))
@@ -117,5 +114,15 @@ void segment_cut(struct segment *e, int n_inputs, double done, struct segment *h
         tail(e, i, done);
         head->at[2][i] = e->at[0][i];
     }
+}
+
+void segment_cut(struct segment *e, int n_inputs, double done, struct segment *head)
+{
+    head->length = done;
+    head->active = e->active;
+    if (done < e->length)
+        part_at(e, n_inputs, done, head);
+    else
+        end_at(e, n_inputs, head);
     begin_at(e, done);
 }

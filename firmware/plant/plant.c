@@ -594,7 +594,7 @@ ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
 }
 
 /* Drives with a slope in n ticks of the block; their offsets are those of the first. */
-NEVER_INLINE void climb(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
+NEVER_INLINE void climb_ticks(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
 {
     uint64_t since = q->origin + (uint64_t)(t.x - q->b.x) - q->passed;
     unsigned drives = q->sloping;
@@ -612,7 +612,7 @@ NEVER_INLINE void climb(struct plant *pl, const struct quiet *q, struct ticks t,
 /* Such drives in a tick's segment, too. */
 NEVER_INLINE void climb_once(struct plant *pl, const struct quiet *q, struct ticks t)
 {
-    climb(pl, q, t, 1);
+    climb_ticks(pl, q, t, 1);
     for (int i = 0; q->sloping >> i != 0; i++)
         if ((q->sloping >> i) & 1u)
             fill_tick(pl, i, t, false);
@@ -686,7 +686,7 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
             drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], BLOCK_TOGETHER);
     }
     if (q->sloping)
-        climb(pl, q, t, asked);
+        climb_ticks(pl, q, t, asked);
     done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
     while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
@@ -736,7 +736,7 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
             drive_turn(&d, &w, &t.at[2 * k][i], &t.phasor[k][i], 1);
     }
     if (q->sloping)
-        climb(pl, q, t, n);
+        climb_ticks(pl, q, t, n);
     uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
     pl->segment.instant += done * TICK_FRACTIONS;
     q->switched = pl->method->switched ? pl->method->switched(pl->scratch) : NULL;
@@ -1072,7 +1072,7 @@ static void turn_drives(struct plant *pl, struct quiet *q, uint32_t n)
             drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], (int)n);
     }
     if (q->sloping)
-        climb(pl, q, t, n);
+        climb_ticks(pl, q, t, n);
 }
 
 /* Tick `done` of the block once more, alone: one of the plants may not take it to its end. Then looks. */

@@ -505,6 +505,14 @@ ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams
     now->begun.damping = next->begun.damping;
 }
 
+/* The first of n ticks has the force at its begin, too, as a single step has. */
+static void count_begin(struct adams *s, uint32_t n, double force)
+{
+    bool before_switch = n == 1 && s->has_switched;
+    if (n > 0 && !before_switch && force > s->books[0].force)
+        s->books[0].force = force;
+}
+
 /* on[k] is the place of active input k behind `first`. */
 ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n,
@@ -515,6 +523,7 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     const struct input *end = &at[2][first];
     const double side = b->regime & 1u ? 1.0 : -1.0, h = s->h;
     struct adams_motion now = s->m;
+    const double begin = fabs(s->force_unit * now.contact);
     uint32_t k = 0;
     while (k < n && !s->has_switched) {
         struct adams_motion next;
@@ -546,6 +555,7 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     s->m = now;
     s->x[0] = x[k][0];
     s->x[1] = x[k][1];
+    count_begin(s, k, begin);
     return k;
 }
 

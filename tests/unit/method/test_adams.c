@@ -150,6 +150,28 @@ TEST(adams_reference_switches)
 
 /* ---- switches, in closed form ---- */
 
+/* The largest force behind a state that is put in place, while the rig moves out: that of the state itself,
+ * as the predictor has it. */
+static double peak_behind_state(uint64_t at_once)
+{
+    start_rig(0.05, 3.0, 0.0);
+    run_ticks(10);
+    plant_set_state(&pl, (double[]){pl.x[0], pl.x[1]});
+    for (uint64_t k = 0; k < 10; k += at_once)
+        run_ticks(at_once);
+    return pl.peak_force;
+}
+
+TEST(adams_peak_behind_state)
+{
+    start_rig(0.05, 3.0, 0.0);
+    run_ticks(10);
+    double force = pow(pl.x[0], 1.5);
+    check_near("ten ticks at once", peak_behind_state(10) / force, 1.0, 2e-9);
+    check_near("five", peak_behind_state(5) / force, 1.0, 2e-9);
+    check_near("one by one", peak_behind_state(1) / force, 1.0, 2e-9);
+}
+
 /* From flight at x'' = 2/3 the instant and the speed are exact, for a parabola is its own cubic. Then a
  * bounce: the deepest force, the time in contact and the speed at lift-off from the energy. */
 TEST(adams_bounce)
