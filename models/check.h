@@ -38,8 +38,10 @@ void check_failed(const char *file, int line);
  * it. */
 #if defined(__clang__)
 #define UNROLL
+#define UNROLL_TWO
 #else
-#define UNROLL _Pragma("GCC unroll 8")
+#define UNROLL     _Pragma("GCC unroll 8")
+#define UNROLL_TWO _Pragma("GCC unroll 2") /* a loop of two turns, or of a number that is not known */
 #endif
 /* A product that goes into a sum, for kernels. On a Cortex-M7 gcc makes one instruction of both, which takes
  * 9 cycles where the two take 5 (by LLVM's model of the part). The bits are the same. */

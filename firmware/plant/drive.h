@@ -187,6 +187,25 @@ ALWAYS_INLINE void drive_turn(const struct drive *d, const struct wave *w, struc
 #endif
 }
 
+/* As drive_turn, but what it fills in is right at the ends of ticks only: all that a method with books of its
+ * own looks at. */
+ALWAYS_INLINE void drive_turn_ends(const struct drive *d, const struct wave *w, struct input *at,
+                                   struct phasor *phasor, uint32_t ticks)
+{
+#if TICK_LANES > 1
+    for (uint32_t k = 0; k < ticks; k++)
+        drive_turn(d, w, &at[2 * k * MODEL_INPUTS], &phasor[k * MODEL_INPUTS], 1);
+#else
+    double c = phasor->cosine, s = phasor->sine;
+    for (uint32_t k = 1; k <= ticks; k++) {
+        drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+        drive_rotate(&c, &s, d->half_cosine, d->half_sine);
+        at[2 * k * MODEL_INPUTS] = steady_input(w, c, s);
+        phasor[k * MODEL_INPUTS] = (struct phasor){c, s};
+    }
+#endif
+}
+
 void drive_climb(const struct drive *d, const struct wave *w, uint64_t left, double begin, struct input *at,
                  struct phasor *phasor, uint32_t ticks);
 

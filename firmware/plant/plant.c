@@ -580,7 +580,7 @@ ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
     w->sine = t.phasor[0][i].sine;
 #if TICK_LANES == 1
     if (turn) { /* nobody reads the middle in the block */
-        e->at[0][i] = e->at[2][i];
+        e->at[0][i] = t.at[0][i];
         drive_turn(&pl->drive[i], w, &e->at[0][i], &t.phasor[0][i], 1);
         t.at[2][i] = e->at[2][i];
         return;
@@ -663,7 +663,7 @@ ALWAYS_INLINE bool step_tick(struct plant *pl, struct quiet *q, struct ticks t, 
 NEVER_INLINE bool step_suspect(struct plant *pl, struct quiet *q, struct ticks t)
 {
     copy_state(pl->x, t.x[0], pl->model->n_states);
-    return step_tick(pl, q, t, false);
+    return step_tick(pl, q, t, TICK_LANES == 1); /* without lanes the block has no middles */
 }
 
 ALWAYS_INLINE struct ticks ticks_after(struct ticks t, uint32_t n)
@@ -732,8 +732,8 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
     for (int i = 0; drives != 0; i++, drives >>= 1) {
         const struct drive d = pl->drive[i]; /* a copy: registers hold it */
         const struct wave w = pl->segment.wave[i];
-        for (uint32_t k = 0; (drives & 1u) && k < n; k++)
-            drive_turn(&d, &w, &t.at[2 * k][i], &t.phasor[k][i], 1);
+        if (drives & 1u)
+            drive_turn_ends(&d, &w, &t.at[0][i], &t.phasor[0][i], n);
     }
     if (q->sloping)
         climb_ticks(pl, q, t, n);

@@ -99,17 +99,18 @@ static double positive(double x)
 }
 
 /* 1 and the modulation of the contact. */
-ALWAYS_INLINE double stiffness_of(const struct adams *s, const struct input *u, int n_on)
+ALWAYS_INLINE double stiffness_of(const struct adams *s, const struct input *u, const int *on, int n_on)
 {
     double sum = 1.0;
+    UNROLL_TWO
     for (int k = 0; k < n_on; k++)
-        sum += s->form.modulation[s->on[k]] * u[s->on[k]].value;
+        sum += unfused(s->form.modulation[on[k]] * u[on[k]].value);
     return sum;
 }
 
 static double stiffness_at(const struct adams *s, const struct input *u)
 {
-    return stiffness_of(s, u, s->n_on);
+    return stiffness_of(s, u, s->on, s->n_on);
 }
 
 /* g, of which *contact is the contact's part. */
@@ -117,39 +118,44 @@ ALWAYS_INLINE double force_at(const struct adams *s, double stiffness, double pl
                               double *contact)
 {
     double depth = positive(place);
-    double free = -(s->form.stiffness * place) - s->form.damping * rate;
-    *contact = (stiffness * s->form.hertz * depth) * sqrt(depth);
+    double free = -unfused(s->form.stiffness * place) - unfused(s->form.damping * rate);
+    *contact = unfused((stiffness * s->form.hertz * depth) * sqrt(depth));
     return free - *contact;
 }
 
 /* ---- one tick ---- */
 
-/* Place and rate at the end of a span, but for g: from `from` on, under the push of inputs that begin at the
- * phasors `turn`. */
-ALWAYS_INLINE adams_pair drift(const struct adams_push *push, const struct phasor *turn, double length,
-                               adams_pair from, const int *on, int n_on)
+/* From place and rate `to` at the begin of a span to those at its end, but for g, under the push of inputs
+ * that begin at the phasors `turn`. */
+ALWAYS_INLINE void drift(const struct adams_push *push, const struct phasor *turn, double length,
+                         adams_two *to, const int *on, int n_on)
 {
-    adams_pair to = (from + (adams_pair){length * from[ADAMS_RATE], 0.0}) + push->steady;
+    const adams_two way = {unfused(length * (*to)[ADAMS_RATE]), 0.0};
+    BOTH SIDE(*to) = (SIDE(*to) + SIDE(way)) + SIDE(push->steady);
+    UNROLL_TWO
     for (int j = 0; j < n_on; j++) {
         const struct adams_response *r = &push->response[j];
         const struct phasor *t = &turn[on[j]];
-        to += r->cosine * t->cosine + r->sine * t->sine;
+        BOTH SIDE(*to) += unfused(SIDE(r->cosine) * t->cosine) + unfused(SIDE(r->sine) * t->sine);
     }
-    return to;
 }
 
 /* From m to the end of a tick, but for the books; `stiffness` is that at its end. */
 ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, double stiffness, const int *on,
                            int n_on, const struct adams_motion *m, struct adams_motion *end)
 {
-    adams_pair ahead = drift(&s->push, turn, s->h, m->without, on, n_on);
+    adams_two ahead;
+    BOTH SIDE(ahead) = SIDE(m->without);
+    drift(&s->push, turn, s->h, &ahead, on, n_on);
     UNROLL
-    for (int j = ADAMS_NODES - 1; j >= 0; j--)
-        ahead += s->predict[j] * m->g[j];
-    double extrapolated = (5.0 * (m->g[0] - m->g[3]) - 10.0 * (m->g[1] - m->g[2])) + m->g[4];
+    for (int j = ADAMS_NODES - 1; j >= 0; j--) {
+        BOTH SIDE(ahead) += unfused(SIDE(s->predict[j]) * m->g[j]);
+    }
+    double extrapolated =
+        (unfused(5.0 * (m->g[0] - m->g[3])) - unfused(10.0 * (m->g[1] - m->g[2]))) + m->g[4];
     double g = force_at(s, stiffness, ahead[ADAMS_PLACE], ahead[ADAMS_RATE], &end->contact);
-    end->without = ahead - s->correct * extrapolated;
-    end->at = end->without + s->correct * g;
+    BOTH SIDE(end->without) = SIDE(ahead) - unfused(SIDE(s->correct) * extrapolated);
+    BOTH SIDE(end->at) = SIDE(end->without) + unfused(SIDE(s->correct) * g);
     end->g[0] = g;
     UNROLL
     for (int j = 1; j < ADAMS_NODES; j++)
@@ -157,13 +163,17 @@ ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, dou
 }
 
 /* The state that belongs to eta and its rate where the inputs are u. */
-ALWAYS_INLINE void state_of(const struct adams *s, const struct input *u, adams_pair at, enum adams_kind kind,
-                            double *x)
+ALWAYS_INLINE void state_of(const struct adams *s, const struct input *u, const adams_two *of,
+                            enum adams_kind kind, double *x)
 {
-    at -= (adams_pair){s->form.origin, 0.0};
-    for (int k = 0; kind == ADAMS_SHIFTED && k < s->n_on; k++)
-        at -= s->form.shift[s->on[k]] * (adams_pair){u[s->on[k]].value, u[s->on[k]].rate};
-    at *= s->form.side;
+    const adams_two origin = {s->form.origin, 0.0};
+    adams_two at;
+    BOTH SIDE(at) = SIDE(*of) - SIDE(origin);
+    for (int k = 0; kind == ADAMS_SHIFTED && k < s->n_on; k++) {
+        const adams_two input = {u[s->on[k]].value, u[s->on[k]].rate};
+        BOTH SIDE(at) -= s->form.shift[s->on[k]] * SIDE(input);
+    }
+    BOTH SIDE(at) *= s->form.side;
     x[0] = at[ADAMS_PLACE];
     x[1] = at[ADAMS_RATE];
 }
@@ -247,9 +257,10 @@ NEVER_INLINE adams_pair lack_of(const struct adams *s, const struct switch_found
 
 static void find_place(struct adams *s, const struct input *u, const double *x)
 {
-    s->m.at = s->form.side * (adams_pair){x[0], x[1]} + (adams_pair){s->form.origin, 0.0};
+    adams_pair at = s->form.side * (adams_pair){x[0], x[1]} + (adams_pair){s->form.origin, 0.0};
     for (int k = 0; k < s->n_on; k++)
-        s->m.at += s->form.shift[s->on[k]] * (adams_pair){u[s->on[k]].value, u[s->on[k]].rate};
+        at += s->form.shift[s->on[k]] * (adams_pair){u[s->on[k]].value, u[s->on[k]].rate};
+    BOTH SIDE(s->m.at) = SIDE(at);
 }
 
 /* g of where the motion stands becomes the newest. */
@@ -259,7 +270,7 @@ static void note_force(struct adams *s, const struct input *u)
     for (int j = ADAMS_NODES - 1; j > 0; j--)
         m->g[j] = m->g[j - 1];
     m->g[0] = force_at(s, stiffness_at(s, u), m->at[ADAMS_PLACE], m->at[ADAMS_RATE], &m->contact);
-    m->without = m->at - s->correct * m->g[0];
+    BOTH SIDE(m->without) = SIDE(m->at) - SIDE(s->correct) * m->g[0];
     s->known += s->known < ADAMS_NODES ? 1 : 0;
 }
 
@@ -298,17 +309,21 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
     struct phasor turn[MODEL_INPUTS];
     phasors_of(s, e, turn);
     adams_push_for(s, half, &push);
-    adams_pair middle = drift(&push, turn, half, s->m.at, s->on, s->n_on);
+    adams_two middle, end;
+    BOTH SIDE(middle) = SIDE(end) = SIDE(s->m.at);
+    drift(&push, turn, half, &middle, s->on, s->n_on);
     if (h != s->h)
         adams_push_for(s, h, &push);
-    adams_pair end = drift(h == s->h ? &s->push : &push, turn, h, s->m.at, s->on, s->n_on);
-    middle += g * (adams_pair){0.5 * half * half, half};
-    end += g * (adams_pair){half * h, h};
+    drift(h == s->h ? &s->push : &push, turn, h, &end, s->on, s->n_on);
+    const adams_two to_middle = {0.5 * half * half, half}, to_end = {half * h, h};
+    BOTH SIDE(middle) += g * SIDE(to_middle);
+    BOTH SIDE(end) += g * SIDE(to_end);
     double k2 = force_at(s, stiffness, middle[0], middle[1], &contact) - g;
     double k3 = force_at(s, stiffness, middle[0], middle[1] + half * k2, &contact) - g;
     double k4 = force_at(s, stiffness_at(s, e->at[2]), end[0] + half * h * k2, end[1] + h * k3, &contact) - g;
     double sixth = h * (1.0 / 6.0);
-    s->m.at = end + (adams_pair){h * sixth * (k2 + k3), sixth * (k4 + 2.0 * (k2 + k3))};
+    const adams_two rest = {h * sixth * (k2 + k3), sixth * (k4 + 2.0 * (k2 + k3))};
+    BOTH SIDE(s->m.at) = SIDE(end) + SIDE(rest);
     note_force(s, e->at[2]);
 }
 
@@ -322,31 +337,31 @@ static struct switch_found take(struct adams *s, const struct segment *e, unsign
     if (e->changed || s->sloping || s->known == 0 || e->active != s->active || !stands(s, x))
         follow(s, e, x);
     const struct adams_motion begin = s->m;
-    s->from = begin.at;
+    s->from = PAIR(begin.at);
     s->from_contact = begin.contact;
     double stiffness = stiffness_at(s, e->at[2]);
     struct switch_found f;
     if (s->known == ADAMS_NODES && e->length == s->h) {
         phasors_of(s, e, turn);
         advance(s, turn, stiffness, s->on, s->n_on, &begin, &s->m);
-        f = seek(begin.at, s->m.at, e->length, regime);
-        adams_pair lack = lack_of(s, &f, s->m.at, stiffness, regime);
-        s->m.at += lack;
-        s->m.without += lack;
+        f = seek(PAIR(begin.at), PAIR(s->m.at), e->length, regime);
+        adams_pair lack = lack_of(s, &f, PAIR(s->m.at), stiffness, regime);
+        BOTH SIDE(s->m.at) += SIDE(lack);
+        BOTH SIDE(s->m.without) += SIDE(lack);
     } else {
         step_alone(s, e);
-        f = seek(begin.at, s->m.at, e->length, regime);
+        f = seek(PAIR(begin.at), PAIR(s->m.at), e->length, regime);
     }
     if (e->length != s->h)
         s->known = 0;
     const struct adams_rule rule = rule_of(e->length);
     book_any(s, &rule, e->length, e->at[2], &begin.begun, &s->m, &s->books[0]);
-    state_of(s, e->at[2], s->m.at, s->kind, x);
+    state_of(s, e->at[2], &s->m.at, s->kind, x);
     return f;
 }
 
 /* s->m is beyond a switch: x becomes the state there, and the rest of the tick waits for the next call. */
-static void stop_at(struct adams *s, const struct segment *e, double done, adams_pair at, double *x)
+static void stop_at(struct adams *s, const struct segment *e, double done, const adams_two *at, double *x)
 {
     struct input u[MODEL_INPUTS];
     for (int k = 0; s->kind == ADAMS_SHIFTED && k < s->n_on; k++)
@@ -364,14 +379,15 @@ static void stop_at(struct adams *s, const struct segment *e, double done, adams
 static enum step_status tell(struct adams *s, const struct segment *e, const struct switch_found *f,
                              double *x, struct crossing *c)
 {
-    adams_pair a = s->from, to = s->m.at;
+    adams_pair a = s->from, to = PAIR(s->m.at);
     double length = e->length, done = f->done, contact = s->m.contact;
     s->left = 0.0;
     if (done >= 0.0) {
         *c = (struct crossing){done, 0, 0, 0.0};
         if (done < length) {
             to = at_switch(f);
-            stop_at(s, e, done, to, x);
+            const adams_two at = {to[ADAMS_PLACE], to[ADAMS_RATE]};
+            stop_at(s, e, done, &at, x);
         }
         length = done;
         contact = 0.0;
@@ -397,11 +413,11 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     if (s->left > 0.0 && e->length == s->left && stands(s, x)) {
         memcpy(x, s->end, sizeof s->end);
         s->books[0] = s->kept;
-        const struct switch_found next = seek(s->from, s->m.at, e->length, regime);
+        const struct switch_found next = seek(s->from, PAIR(s->m.at), e->length, regime);
         return tell(s, e, &next, x, c);
     }
     const struct switch_found f = take(s, e, regime, x);
-    return inside(s->m.at, DBL_MAX) ? tell(s, e, &f, x, c) : STEP_NOT_FINITE;
+    return inside(PAIR(s->m.at), DBL_MAX) ? tell(s, e, &f, x, c) : STEP_NOT_FINITE;
 }
 
 static step_function *bind(const struct model *m)
@@ -421,10 +437,10 @@ static bool goes_on(const struct adams *s, const struct method_block *b, const d
 
 /* Nothing but a plain tick has happened: the contact stays on its side, and the rate of eta keeps its sign.
  */
-ALWAYS_INLINE bool is_plain(adams_pair a, adams_pair b, double side)
+ALWAYS_INLINE bool is_plain(const adams_two *a, const adams_two *b, double side)
 {
-    return side * b[ADAMS_PLACE] > 0.0 && a[ADAMS_RATE] * b[ADAMS_RATE] > 0.0 &&
-           inside(b, METHOD_STATE_LIMIT);
+    return side * (*b)[ADAMS_PLACE] > 0.0 && (*a)[ADAMS_RATE] * (*b)[ADAMS_RATE] > 0.0 &&
+           inside(PAIR(*b), METHOD_STATE_LIMIT);
 }
 
 /* A tick that is not plain: the compression turns, or a contact switches. */
@@ -436,9 +452,10 @@ struct turn {
 };
 
 /* The state at the switch, `done` behind the begin. */
-static void state_at_switch(const struct adams *s, const struct phasor *phasor, double done, adams_pair at,
+static void state_at_switch(const struct adams *s, const struct phasor *phasor, double done, adams_pair to,
                             double *x)
 {
+    const adams_two at = {to[ADAMS_PLACE], to[ADAMS_RATE]};
     struct input u[MODEL_INPUTS];
     for (int k = 0; s->kind == ADAMS_SHIFTED && k < s->n_on; k++) {
         struct wave w = s->wave[s->on[k]];
@@ -446,7 +463,7 @@ static void state_at_switch(const struct adams *s, const struct phasor *phasor, 
         w.sine = phasor[s->on[k]].sine;
         wave_at(&w, done, &u[s->on[k]]);
     }
-    state_of(s, u, at, s->kind, x);
+    state_of(s, u, &at, s->kind, x);
 }
 
 /* Its forces and its switch. False where it is for a single step. */
@@ -494,12 +511,13 @@ ALWAYS_INLINE void jump(struct adams *s, const struct input *u, const int *on, i
 /* `now` becomes `next`, but for the books of inputs that are not active. */
 ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams_motion *now)
 {
-    now->at = next->at;
-    now->without = next->without;
+    BOTH SIDE(now->at) = SIDE(next->at);
+    BOTH SIDE(now->without) = SIDE(next->without);
     UNROLL
     for (int j = 0; j < ADAMS_NODES; j++)
         now->g[j] = next->g[j];
     now->contact = next->contact;
+    UNROLL_TWO
     for (int k = 0; k < n_on; k++)
         now->begun.work[k] = next->begun.work[k];
     now->begun.damping = next->begun.damping;
@@ -528,25 +546,22 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     while (k < n && !s->has_switched) {
         struct adams_motion next;
         struct method_books *books = &s->books[k];
-        double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_of(s, end, n_on);
-        if (kind == ADAMS_FORCED && ((jumps >> k) & 1u))
+        double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_of(s, end, on, n_on);
+        if ((kind == ADAMS_FORCED || TICK_LANES == 1) && ((jumps >> k) & 1u))
             jump(s, end, on, n_on, &now);
         advance(s, turn, stiffness, on, n_on, &now, &next);
         books->force = fabs(s->force_unit * next.contact);
-        if (!is_plain(now.at, next.at, side)) {
-            struct turn t = {now.at,       next.at,   next.without, now.contact,
-                             next.contact, stiffness, b->regime,    turn - first};
+        if (!is_plain(&now.at, &next.at, side)) {
+            struct turn t = {PAIR(now.at), PAIR(next.at), PAIR(next.without), now.contact,
+                             next.contact, stiffness,     b->regime,          turn - first};
             if (!take_turn(s, &t, books))
                 break;
-            next.at = t.to;
-            next.without = t.without;
+            BOTH SIDE(next.at) = SIDE(t.to);
+            BOTH SIDE(next.without) = SIDE(t.without);
         }
-        if (TICK_LANES > 1)
-            book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
-                     &books->damping);
-        else
-            book_any(s, &s->rule, h, end, &now.begun, &next, books);
-        state_of(s, end, next.at, kind, x[k + 1]);
+        book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
+                 &books->damping);
+        state_of(s, end, &next.at, kind, x[k + 1]);
         go_on(&next, n_on, &now);
         k++;
         turn += MODEL_INPUTS;
@@ -559,7 +574,8 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     return k;
 }
 
-/* By the kind of the inputs; two have a copy of their own, and a force alone. A board has room for one. */
+/* By the kind of the inputs; two have a copy of their own, and a force alone. A board has room for two of
+ * them: two inputs that do not move the contact, and any. */
 static uint32_t run_any(const struct model *m, const double *p, double *scratch, const struct method_block *b,
                         const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
 {
@@ -582,6 +598,10 @@ static uint32_t run_any(const struct model *m, const double *p, double *scratch,
     return two ? run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, 2)
                : run(s, b, at, x, n, ADAMS_FORCED, 0, s->on, s->n_on);
 #else
+    if (s->kind != ADAMS_SHIFTED && s->n_on == 2) {
+        const int two[] = {s->on[0], s->on[1]};
+        return run(s, b, at, x, n, ADAMS_MODULATED, 0, two, 2);
+    }
     return run(s, b, at, x, n, s->kind, 0, s->on, s->n_on);
 #endif
 }

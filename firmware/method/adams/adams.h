@@ -17,6 +17,19 @@ enum {
 typedef double adams_pair __attribute__((vector_size(16), aligned(8)));
 enum { ADAMS_PLACE, ADAMS_RATE };
 
+/* A pair that ticks work on, in statements as BOTH SIDE(a) += SIDE(b) * c. gcc keeps an adams_pair in memory
+ * where the target has no such registers; then it is two numbers, and a statement is two. */
+#if TICK_LANES > 1
+typedef adams_pair adams_two;
+#define BOTH
+#define SIDE(two) (two)
+#else
+typedef double adams_two[2];
+#define BOTH      UNROLL for (int which = 0; which < 2; which++)
+#define SIDE(two) (two)[which]
+#endif
+#define PAIR(two) ((adams_pair){(two)[ADAMS_PLACE], (two)[ADAMS_RATE]})
+
 /* A wave's share of place and rate in a span: times the cosine and the sine of its phase at the begin. */
 struct adams_response {
     adams_pair cosine, sine;
@@ -41,8 +54,8 @@ struct adams_rule {
 
 /* The motion at the end of a tick. g is the force of contact, spring and damper, by mass. */
 struct adams_motion {
-    adams_pair at;
-    adams_pair without;      /* without the share of the newest g */
+    adams_two at;
+    adams_two without;       /* without the share of the newest g */
     double g[ADAMS_NODES];   /* the newest first */
     double contact;          /* the contact's part of the newest */
     struct adams_half begun; /* for the tick that begins here */

@@ -97,6 +97,7 @@ ALWAYS_INLINE void powers_of(const struct adams *s, const struct end *e, enum ad
         powers_shifted(s, e, n_on, q);
         return;
     }
+    UNROLL_TWO
     for (int k = 0; k < n_on; k++) {
         book_force(s, k, &e->u[on[k]], e->rate, e->change, q);
         if (kind == ADAMS_MODULATED)
@@ -130,6 +131,7 @@ ALWAYS_INLINE void find_end(const struct adams *s, double length, const struct i
     e->rate = m->at[ADAMS_RATE];
     e->change = f->constant + m->g[0];
     e->contact = e->steepness = 0.0;
+    UNROLL_TWO
     for (int k = 0; k < n_on; k++) {
         int i = on[k];
         e->change += s->force[k] * u[i].value;
@@ -153,6 +155,7 @@ ALWAYS_INLINE void book_begin(const struct adams *s, const struct adams_rule *r,
     struct end e;
     find_end(s, 0.0, u, m, kind, on, n_on, &e);
     powers_of(s, &e, kind, on, n_on, &q);
+    UNROLL_TWO
     for (int k = 0; k < n_on; k++)
         m->begun.work[k] = r->half * q.work[k] + r->twelfth * q.work_rate[k];
     m->begun.damping = r->half * q.damping + r->twelfth * q.damping_rate;
@@ -170,6 +173,7 @@ ALWAYS_INLINE void book_end(const struct adams *s, const struct adams_rule *r, d
     struct end e;
     find_end(s, length, u, m, kind, on, n_on, &e);
     powers_of(s, &e, kind, on, n_on, &q);
+    UNROLL_TWO
     for (int k = 0; k < n_on; k++) {
         double even = r->half * q.work[k], odd = r->twelfth * q.work_rate[k];
         work[on[k]] = begun->work[k] + (even - odd);
