@@ -8,7 +8,7 @@
  *     -zeta(-a, ahead),   zeta(q, x) = sum over k >= 0 of 1/(k + x)^q, continued to q < 1   (Hurwitz)
  *
  * The first force is taken by itself, and the formula begins behind it, with two of its end terms
- * (https://dlmf.nist.gov/25.11.E28). */
+ * (NIST Digital Library of Mathematical Functions, 25.11.28). */
 #include "firmware/method/adams/adams_kink.h"
 
 #include <math.h>
