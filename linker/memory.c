@@ -49,9 +49,13 @@ void *memset(void *to, int value, size_t n)
 {
     unsigned char *t = to;
     const word four = 0x01010101u * (unsigned char)value;
-    if ((uintptr_t)t % sizeof(word) == 0)
+    const struct block sixteen = {{four, four, four, four}};
+    if ((uintptr_t)t % sizeof(word) == 0) {
+        for (; n >= sizeof(struct block); n -= sizeof(struct block), t += sizeof(struct block))
+            *(struct block *)(void *)t = sixteen;
         for (; n >= sizeof(word); n -= sizeof(word), t += sizeof(word))
             *(word *)(void *)t = four;
+    }
     for (size_t i = 0; i < n; i++)
         t[i] = (unsigned char)value;
     return to;
