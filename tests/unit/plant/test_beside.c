@@ -183,8 +183,10 @@ TEST(beside_widths)
     uint32_t moved = 0;
     int n_differ = 0;
     any_seed = 3;
-    if (!__builtin_cpu_supports("avx2"))
+    if (!__builtin_cpu_supports("avx2")) {
+        check_true("a processor with AVX2", 0);
         return;
+    }
     for (int k = 0; k < 2000; k++) {
         unsigned which = active[k % 2];
         fill(narrow, narrow_ledger);
