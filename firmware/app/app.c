@@ -148,12 +148,12 @@ void app_frame(struct app *a)
     end_frame(a, now_us(a) - begin_us);
 }
 
-void app_frames(struct app *const *a, uint32_t n, const struct plant_beside *by)
+void app_frames(struct app *const *a, uint32_t n, plant_bind_sides *bind)
 {
     uint32_t advanced[SIDES], begin_us = now_us(a[0]);
     for (uint32_t i = 0; i < n; i++)
         begin_frame(a[i]);
-    app_advance_beside(a, n, by, advanced);
+    app_advance_beside(a, n, bind, advanced);
     for (uint32_t i = 0; i < n; i++)
         report_frame(a[i], advanced[i]);
     uint32_t each_us = (now_us(a[0]) - begin_us) / n;

@@ -13,7 +13,7 @@
 #include "firmware/bus/diag.h"
 #include "firmware/observe/lockin_slots.h"
 #include "firmware/bus/mailbox.h"
-#include "firmware/plant/plant.h"
+#include "firmware/plant/plant_beside.h"
 #include "firmware/app/selftest.h"
 #include "firmware/observe/sensor.h"
 #include "firmware/bus/settings.h"
@@ -144,7 +144,7 @@ void app_frame(struct app *a);
 /* app_frame for n apps on one bus, 1 to SIDES. Each sends and computes what it would alone, to the last bit;
  * each has 1/n of the time as its own. All receive, then all advance, then all report. Plants of one model by
  * one method go side by side then, which costs less (plant_run_beside). */
-void app_frames(struct app *const *a, uint32_t n, const struct plant_beside *by);
+void app_frames(struct app *const *a, uint32_t n, plant_bind_sides *bind);
 
 /* Call it when `missed` whole frame periods went by before this frame could start. It counts them, sends
  * OVERRUN and applies the overrun policy. More than 65535 count as 65535. Returns how many app_frame calls

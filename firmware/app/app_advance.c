@@ -194,7 +194,7 @@ static bool goes_beside(const struct app *a)
     return a->state == STATE_RUNNING && a->skip == 0 && !goes_by_ticks(a) && !a->config.observe;
 }
 
-void app_advance_beside(struct app *const *a, uint32_t n, const struct plant_beside *by, uint32_t *advanced)
+void app_advance_beside(struct app *const *a, uint32_t n, plant_bind_sides *bind, uint32_t *advanced)
 {
     struct advance f[SIDES];
     struct plant_run r[SIDES];
@@ -217,7 +217,7 @@ void app_advance_beside(struct app *const *a, uint32_t n, const struct plant_bes
         of[k++] = one;
     }
     if (k > 0)
-        plant_run_beside(r, k, by);
+        plant_run_beside(r, k, bind);
     for (uint32_t i = 0; i < k; i++)
         end_advance(of[i], &f[i], r[i].good);
 }

@@ -113,21 +113,6 @@ typedef uint32_t run_function(const struct model *m, const double *p, double *sc
  * anew where inputs may have changed. */
 typedef run_function *bind_run_function(const struct model *m, const double *scratch);
 
-/* Ticks of one of several plants: its numbers, and its block from a certain tick on, as for run_function. */
-struct method_side {
-    const double *p;
-    const struct method_block *b;
-    const struct input (*at)[MODEL_INPUTS];
-    double (*x)[MODEL_STATES];
-};
-
-enum { SIDES = 8 }; /* plants side by side; a multiple of PLANT_LANES */
-
-/* run_function for SIDES plants of one model. It stops before a tick that one of them may not take to its
- * end.
- */
-typedef uint32_t run_beside_function(const struct method_side *side, uint32_t n);
-
 /* A state larger than this many model units (the contact's own length) is trouble, not motion. */
 #define METHOD_STATE_LIMIT 1e12
 

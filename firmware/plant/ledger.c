@@ -13,7 +13,7 @@ typedef void lanes_function(const double *p, const struct input_lanes *u, const 
 #endif
 
 /* The model as compile-time constants of one instantiation. */
-struct inlined {
+struct booked {
     int n, n_inputs; /* states, and inputs that may be active */
     flow_function *flow;
 #if TICK_LANES > 1
@@ -88,7 +88,7 @@ ALWAYS_INLINE struct input_lanes inputs_of(const struct input *a, const struct i
 }
 
 /* The flow at the begin of TICK_LANES pieces, where the inputs of the middle hold. */
-ALWAYS_INLINE void find_begins(struct inlined m, const double *p, const struct input (*at)[MODEL_INPUTS],
+ALWAYS_INLINE void find_begins(struct booked m, const double *p, const struct input (*at)[MODEL_INPUTS],
                                const double *x0, const double *x1, struct flow_lanes *begin)
 {
     struct input_lanes u[MODEL_INPUTS];
@@ -104,7 +104,7 @@ ALWAYS_INLINE void find_begins(struct inlined m, const double *p, const struct i
 
 /* TICK_LANES pieces as by one_piece, to equal bits. found: NULL, or the flow at the begin of each, found
  * anew. */
-ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const double *p,
+ALWAYS_INLINE double side_by_side(struct booked m, struct ledger *l, const double *p,
                                   const struct input (*at)[MODEL_INPUTS], const double *x0, const double *x1,
                                   const struct flow_lanes *found)
 {
@@ -163,9 +163,9 @@ ALWAYS_INLINE double side_by_side(struct inlined m, struct ledger *l, const doub
 #endif
 
 /* Any model, through its pointer: the same bits as an instantiation. */
-static struct inlined through_pointers(const struct model *m)
+static struct booked through_pointers(const struct model *m)
 {
-    return (struct inlined){m->n_states, m->n_inputs, m->flow, NULL};
+    return (struct booked){m->n_states, m->n_inputs, m->flow, NULL};
 }
 
 NEVER_INLINE double one_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
@@ -207,7 +207,7 @@ typedef void begins_function(const double *p, const struct input (*at)[MODEL_INP
                              const double *x1, struct flow_lanes *begin);
 
 /* Ticks of a block. A last one alone is rare. */
-ALWAYS_INLINE double ticks(struct inlined m, one_function *one, begins_function *begins, struct ledger *l,
+ALWAYS_INLINE double ticks(struct booked m, one_function *one, begins_function *begins, struct ledger *l,
                            const double *p, const struct input (*at)[MODEL_INPUTS],
                            const double (*x)[MODEL_STATES], uint32_t n, bool anew)
 {
@@ -234,7 +234,7 @@ INSTANCES(DECLARE)
                                     const struct input(*at)[MODEL_INPUTS], const double *x0,                 \
                                     const double *x1)                                                        \
     {                                                                                                        \
-        return one_piece((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,  \
+        return one_piece((struct booked){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, l, p,   \
                          at, x0, x1);                                                                        \
     }
 INSTANCES(ONE)
@@ -264,7 +264,7 @@ INSTANCES(DECLARE_TICKS)
     NEVER_INLINE void begins_##name(const double *p, const struct input(*at)[MODEL_INPUTS],                  \
                                     const double *x0, const double *x1, struct flow_lanes *begin)            \
     {                                                                                                        \
-        const struct inlined m = {states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)};                \
+        const struct booked m = {states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)};                 \
         if (m.lanes)                                                                                         \
             find_begins(m, p, at, x0, x1, begin);                                                            \
     }                                                                                                        \
@@ -275,8 +275,8 @@ INSTANCES(DECLARE_TICKS)
         unsigned active = l->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return ticks((struct inlined){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)},            \
-                     one_##name, begins_##name, l, p, at, x, n, anew);                                       \
+        return ticks((struct booked){states, n_inputs, FLOW_AND_LANES(__VA_ARGS__, NULL, NULL)}, one_##name, \
+                     begins_##name, l, p, at, x, n, anew);                                                   \
     }
 INSTANCES(TICKS)
 

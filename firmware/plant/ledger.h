@@ -57,16 +57,6 @@ struct ledger {
     bool flow_valid;               /* it belongs to the state and inputs at the start of the next piece */
 };
 
-struct ledger_side {
-    struct ledger *l;
-    double force; /* the largest contact force in the ticks that were booked */
-};
-
-/* Behind ledger_begin of each: books n ticks of the first `plants` of SIDES that run side by side. Behind
- * them stands the last one of them. */
-typedef void ledger_beside_function(struct ledger_side *books, const struct method_side *side,
-                                    uint32_t plants, uint32_t n);
-
 /* Begins anew with all sums 0, for the model with parameters p at inputs u and state x. */
 void ledger_start(struct ledger *l, const struct model *m, const double *p, const struct input *u,
                   const double *x);

@@ -1,4 +1,4 @@
-/* ledger_middle.h - the ledger's rule over a piece; a text for ledger.c and host_sim/beside/ledger_beside.c,
+/* ledger_middle.h - the ledger's rule over a piece; a text for ledger.c and host_sim/beside/ledger_beside.h,
  * see models/lanes.h. */
 
 /* The state in the middle of a piece from positions q, velocities v and accelerations a at its ends: of the

@@ -1,4 +1,4 @@
-/* ledger_piece.h - the books of one piece; a text for ledger.c and host_sim/beside/ledger_beside.c, see
+/* ledger_piece.h - the books of one piece; a text for ledger.c and host_sim/beside/ledger_beside.h, see
  * models/lanes.h. */
 
 /* Knuth's exact sum: value is rounded, what rounding lost goes into carry. No branch. */
@@ -27,7 +27,7 @@ ALWAYS_INLINE void REAL(book)(int n_inputs, struct REAL(ledger) * l, const real 
 
 /* One piece. Its end is handed to the next one field by field: those that an instantiation does not set cost
  * nothing. Velocities stand in the state. */
-ALWAYS_INLINE real REAL(one_piece)(struct REAL(inlined) m, struct REAL(ledger) * l, const number *p,
+ALWAYS_INLINE real REAL(one_piece)(struct REAL(booked) m, struct REAL(ledger) * l, const number *p,
                                    const struct REAL(input) (*at)[MODEL_INPUTS], const real *x0,
                                    const real *x1)
 {

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "firmware/plant/quiet.h"
 #include "models/math/elementary.h"
 
 int instant_compare(struct instant a, struct instant b)
@@ -217,12 +218,6 @@ NEVER_INLINE double book_otherwise(struct plant *pl)
     return pl->books == BOOKS_NONE ? 0.0 : ledger_take(&pl->ledger, pl->method->books(pl->scratch));
 }
 
-ALWAYS_INLINE void rise_to(double *peak, double force)
-{
-    if (force > *peak)
-        *peak = force;
-}
-
 ALWAYS_INLINE void pass_time(struct plant *pl, double length)
 {
     pl->total_time += length;
@@ -258,22 +253,13 @@ static void take_switch(struct plant *pl, const struct crossing *c, double done_
 }
 
 /* The state is where the model means something: far beyond the contact's own length nothing does. A NaN is
- * outside. (Every model has two states, and most have no more: they stand before the loop, here and below.)
- */
+ * outside. */
 static bool inside(const double *x, int n)
 {
     double size = fabs(x[0]) + fabs(x[1]);
     for (int i = 2; i < n; i++)
         size += fabs(x[i]);
     return size <= PLANT_STATE_LIMIT;
-}
-
-static void copy_state(double *to, const double *x, int n)
-{
-    to[0] = x[0];
-    to[1] = x[1];
-    for (int i = 2; i < n; i++)
-        to[i] = x[i];
 }
 
 /* The state and regime in which a segment began. */
@@ -439,8 +425,6 @@ static uint32_t segment_length(const struct plant *pl, struct instant to)
 
 /* ---- quiet ticks ---- */
 
-enum { QUIET_FEW = 4 }; /* so few ticks take less by themselves */
-
 /* In the tick that begins every drive that sounds only runs on, as in the last one. */
 NEVER_INLINE bool is_quiet(const struct plant *pl)
 {
@@ -456,39 +440,7 @@ NEVER_INLINE bool is_quiet(const struct plant *pl)
     return true;
 }
 
-/* Samples of an input, which are all that sounds. */
-struct samples {
-    int input;
-    const double *value; /* SI */
-    double unit;
-    uint64_t begin, ticks; /* when the first begins, and for how long each is held */
-};
-
-/* Quiet ticks under way. With TICK_LANES > 1 the ledger follows BLOCK_TOGETHER ticks behind, so that it does
- * not stand between one step and the next. */
-struct quiet {
-    struct method_block b;
-    unsigned turning;                     /* bit i: drive i turns; the others that sound stand */
-    unsigned sloping;                     /* bit i: drive i has a sample on a slope */
-    unsigned moving;                      /* all these, and the input that is held */
-    const struct samples *held;           /* NULL: nothing is */
-    uint32_t filled;                      /* ticks of the block that have their sample */
-    uint64_t origin;                      /* number of the block's first tick */
-    uint32_t done, booked;                /* its ticks that are moved, and that the ledger has */
-    uint64_t passed;                      /* up to this tick drives and times have gone on */
-    const struct method_switch *switched; /* in the tick behind `done`; NULL: none */
-    const struct method_books *books;     /* its books */
-    run_function *run;                    /* NULL: all ticks by `step` */
-#if TICK_LANES > 1
-    ledger_ticks_function *book;
-#endif
-    enum step_status status; /* how the last single step ended */
-    struct crossing c;
-};
-
-/* The first of up to n quiet ticks begins; returns those until a phasor is due. Inputs that do not turn are
- * filled in once. held: NULL, or the samples behind the present one. */
-static uint32_t begin_quiet(struct plant *pl, uint32_t n, const struct samples *held, struct quiet *q)
+uint32_t quiet_begin(struct plant *pl, uint32_t n, const struct samples *held, struct quiet *q)
 {
     struct segment *e = &pl->segment;
     struct method_block *b = &q->b;
@@ -559,18 +511,6 @@ static void fill_samples(struct quiet *q, uint32_t to)
     q->filled = to;
 }
 
-/* Ticks of the block from a certain one on: their states, inputs and phasors. */
-struct ticks {
-    double (*x)[MODEL_STATES];
-    struct input (*at)[MODEL_INPUTS];
-    struct phasor (*phasor)[MODEL_INPUTS];
-};
-
-ALWAYS_INLINE struct ticks ticks_from(struct method_block *b, uint32_t k)
-{
-    return (struct ticks){&b->x[k], &b->at[2 * k], &b->phasor[k]};
-}
-
 /* Input i in a tick's segment and in the block; turn: it is to be filled in first. */
 ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
 {
@@ -593,8 +533,7 @@ ALWAYS_INLINE void fill_tick(struct plant *pl, int i, struct ticks t, bool turn)
     e->at[2][i] = t.at[2][i];
 }
 
-/* Drives with a slope in n ticks of the block; their offsets are those of the first. */
-NEVER_INLINE void climb_ticks(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
+void quiet_climb(struct plant *pl, const struct quiet *q, struct ticks t, uint32_t n)
 {
     uint64_t since = q->origin + (uint64_t)(t.x - q->b.x) - q->passed;
     unsigned drives = q->sloping;
@@ -612,7 +551,7 @@ NEVER_INLINE void climb_ticks(struct plant *pl, const struct quiet *q, struct ti
 /* Such drives in a tick's segment, too. */
 NEVER_INLINE void climb_once(struct plant *pl, const struct quiet *q, struct ticks t)
 {
-    climb_ticks(pl, q, t, 1);
+    quiet_climb(pl, q, t, 1);
     for (int i = 0; q->sloping >> i != 0; i++)
         if ((q->sloping >> i) & 1u)
             fill_tick(pl, i, t, false);
@@ -686,7 +625,7 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
             drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], BLOCK_TOGETHER);
     }
     if (q->sloping)
-        climb_ticks(pl, q, t, asked);
+        quiet_climb(pl, q, t, asked);
     done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
     while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
@@ -703,6 +642,15 @@ ALWAYS_INLINE void book_ticks(struct plant *pl, const struct quiet *q, struct ti
 #else
     (void)pl, (void)q, (void)t, (void)n;
 #endif
+}
+
+bool quiet_step(struct plant *pl, struct quiet *q)
+{
+    bool good = step_suspect(pl, q, ticks_from(&q->b, q->done));
+    q->done += good;
+    book_ticks(pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
+    q->booked = q->done;
+    return good;
 }
 
 /* Up to n ticks from q->done on, and the books of those before. False if one of them, behind q->done, is not
@@ -736,7 +684,7 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
             drive_turn_ends(&d, &w, &t.at[0][i], &t.phasor[0][i], n);
     }
     if (q->sloping)
-        climb_ticks(pl, q, t, n);
+        quiet_climb(pl, q, t, n);
     uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
     pl->segment.instant += done * TICK_FRACTIONS;
     q->switched = pl->method->switched ? pl->method->switched(pl->scratch) : NULL;
@@ -806,20 +754,26 @@ static void pass_drives(struct plant *pl, const struct quiet *q, uint32_t ticks)
     }
 }
 
-/* Time goes on to the ticks that are done, none of which has a switch. */
-static void pass_ticks(struct plant *pl, struct quiet *q)
+/* n ticks without a switch. */
+ALWAYS_INLINE void pass_times(struct plant *pl, uint32_t n)
 {
     bool lost = pl->regime == 0 && pl->model->n_contacts > 0;
-    uint32_t ticks = (uint32_t)(q->origin + q->done - q->passed);
     double total = pl->total_time, loss = pl->loss_time;
-    q->passed += ticks;
-    pass_drives(pl, q, ticks);
-    for (uint32_t k = 0; k < ticks; k++) { /* the sums of so many single additions */
+    for (uint32_t k = 0; k < n; k++) { /* the sums of so many single additions */
         total += pl->h;
         loss += lost ? pl->h : 0.0;
     }
     pl->total_time = total;
     pl->loss_time = loss;
+}
+
+/* Time goes on to the ticks that are done, none of which has a switch. */
+static void pass_ticks(struct plant *pl, struct quiet *q)
+{
+    uint32_t ticks = (uint32_t)(q->origin + q->done - q->passed);
+    q->passed += ticks;
+    pass_drives(pl, q, ticks);
+    pass_times(pl, ticks);
 }
 
 /* The inputs in the tick behind those that are done, `done` after its begin. */
@@ -878,8 +832,7 @@ NEVER_INLINE bool end_quiet(struct plant *pl, struct quiet *q)
     return false;
 }
 
-/* look(who, pl) at the end of each tick of the block behind tick `from`. */
-static void look_at_ticks(struct plant *pl, const struct quiet *q, uint32_t from, plant_look *look, void *who)
+void quiet_look(struct plant *pl, const struct quiet *q, uint32_t from, plant_look *look, void *who)
 {
     int n = pl->model->n_states;
     double x[MODEL_STATES];
@@ -892,8 +845,7 @@ static void look_at_ticks(struct plant *pl, const struct quiet *q, uint32_t from
     copy_state(pl->x, x, n); /* a step that was no good may have gone on */
 }
 
-/* The plant goes to the end of the ticks that are done, and not good: through the next one. */
-ALWAYS_INLINE bool stop_quiet(struct plant *pl, struct quiet *q, bool good, plant_look *look, void *who)
+ALWAYS_INLINE bool stop(struct plant *pl, struct quiet *q, bool good, plant_look *look, void *who)
 {
     book_ticks(pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
     show_tick(pl, q, q->done);
@@ -908,6 +860,15 @@ ALWAYS_INLINE bool stop_quiet(struct plant *pl, struct quiet *q, bool good, plan
     return good;
 }
 
+bool quiet_stop(struct plant *pl, struct quiet *q, bool good, uint32_t timed, plant_look *look, void *who)
+{
+    uint32_t ticks = (uint32_t)(q->origin + q->done - q->passed);
+    q->passed += ticks;
+    pass_drives(pl, q, ticks);
+    pass_times(pl, ticks - timed);
+    return stop(pl, q, good, look, who);
+}
+
 /* Quiet ticks up to n, a phasor that is due, or the end of a tick with a switch in it. Does what excite and
  * segment do, without asking in each tick what does not change. */
 ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *held, plant_look *look,
@@ -915,7 +876,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *he
 {
     struct quiet q;
     bool good = true;
-    n = begin_quiet(pl, n, held, &q);
+    n = quiet_begin(pl, n, held, &q);
     bool booked = q.run && plant_find_books(pl);
     for (uint32_t moved = 0; good && n > 0; n -= moved) {
         if (q.done == BLOCK_TICKS)
@@ -929,15 +890,15 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *he
         if (several && moved > 0)
             several(who, pl, &q.b, from, moved);
         else if (look)
-            look_at_ticks(pl, &q, from, look, who);
+            quiet_look(pl, &q, from, look, who);
         if (booked && q.switched) {
             pass_switch(pl, &q);
             moved++;
             if (look)
-                look_at_ticks(pl, &q, q.done - 1, look, who);
+                quiet_look(pl, &q, q.done - 1, look, who);
         }
     }
-    return stop_quiet(pl, &q, good, look, who);
+    return stop(pl, &q, good, look, who);
 }
 
 /* Ticks up to `to` as long as they are quiet, as the next one is; look: NULL, or called after each, if not
@@ -977,15 +938,14 @@ NEVER_INLINE bool advance(struct plant *pl, struct instant to)
     return true;
 }
 
-/* A call begins before a tick that may begin a block. */
-static bool begins_quiet(const struct plant *pl)
+bool quiet_is_next(const struct plant *pl)
 {
     return pl->now.fraction == 0 && !pl->staged && is_quiet(pl);
 }
 
 NEVER_INLINE bool advance_far(struct plant *pl, struct instant to)
 {
-    if (begins_quiet(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL, NULL))
+    if (quiet_is_next(pl) && !run_quiet(pl, to.tick, NULL, NULL, NULL, NULL))
         return false;
     return advance(pl, to);
 }
@@ -1004,7 +964,7 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
 {
     uint64_t to = pl->now.tick + ticks;
     while (pl->now.tick < to) {
-        if (pl->now.tick + QUIET_FEW < to && begins_quiet(pl)) {
+        if (pl->now.tick + QUIET_FEW < to && quiet_is_next(pl)) {
             if (!run_quiet(pl, to, NULL, look, several, who))
                 return false;
             continue;
@@ -1016,168 +976,7 @@ bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_lo
     return true;
 }
 
-/* ---- several plants side by side ---- */
-
-enum { BESIDE_FEW = SIDES / 2 }; /* fewer plants take less one by one: all SIDES are computed */
-
-/* Quiet ticks under way of several plants, whose blocks begin and end together. Behind the last plant stands
- * that one once more. */
-struct company {
-    uint32_t n;
-    struct plant_run *r[SIDES];
-    struct quiet q[SIDES];
-    bool good[SIDES]; /* the tick behind those that are done is one to its end */
-    struct method_side side[SIDES];
-    struct ledger_side books[SIDES];
-    run_beside_function *run;
-    ledger_beside_function *book;
-};
-
-/* Begins; returns the ticks that all of them have. */
-static uint32_t begin_company(struct company *c)
-{
-    uint32_t n = PHASOR_RESYNC_TICKS;
-    for (uint32_t i = 0; i < SIDES; i++) {
-        uint32_t k = i < c->n ? i : c->n - 1;
-        struct plant *pl = c->r[k]->pl;
-        uint64_t left = c->r[k]->to - pl->now.tick;
-        if (i < c->n)
-            n = begin_quiet(pl, left < n ? (uint32_t)left : n, NULL, &c->q[i]);
-        c->good[i] = true;
-        c->side[i] = (struct method_side){.p = pl->p, .b = &c->q[k].b};
-        c->books[i] = (struct ledger_side){&pl->ledger, 0.0};
-    }
-    return n;
-}
-
-/* The block is full, and booked: its end moves to its begin. */
-static void turn_over(struct quiet *q, int n_states)
-{
-    struct method_block *b = &q->b;
-    copy_state(b->x[0], b->x[BLOCK_TICKS], n_states);
-    memcpy(b->at[0], b->at[2 * BLOCK_TICKS], sizeof b->at[0]);
-    memcpy(b->phasor[0], b->phasor[BLOCK_TICKS], sizeof b->phasor[0]);
-    b->instant += BLOCK_TICKS * TICK_FRACTIONS;
-    q->origin += BLOCK_TICKS;
-    q->done = q->booked = q->filled = 0;
-}
-
-/* n ticks of the block are moved to, those of one plant. */
-static void turn_drives(struct plant *pl, struct quiet *q, uint32_t n)
-{
-    struct ticks t = ticks_from(&q->b, q->done);
-    unsigned drives = q->turning;
-    for (int i = 0; drives != 0; i++, drives >>= 1) {
-        if (drives & 1u)
-            drive_turn(&pl->drive[i], &pl->segment.wave[i], &t.at[0][i], &t.phasor[0][i], (int)n);
-    }
-    if (q->sloping)
-        climb_ticks(pl, q, t, n);
-}
-
-/* Tick `done` of the block once more, alone: one of the plants may not take it to its end. Then looks. */
-static void end_block(struct company *c, uint32_t i, uint32_t moved, bool stopped)
-{
-    const struct plant_run *r = c->r[i];
-    struct quiet *q = &c->q[i];
-    uint32_t from = q->done;
-    r->pl->segment.instant += moved * TICK_FRACTIONS;
-    rise_to(&r->pl->peak_force, c->books[i].force);
-    q->done = q->booked = from + moved;
-    if (stopped) {
-        c->good[i] = step_suspect(r->pl, q, ticks_from(&q->b, q->done));
-        q->done += c->good[i];
-        book_ticks(r->pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
-        q->booked = q->done;
-    }
-    if (r->several && q->done > from)
-        r->several(r->who, r->pl, &q->b, from, q->done - from);
-    else if (r->look)
-        look_at_ticks(r->pl, q, from, r->look, r->who);
-}
-
-/* Up to n ticks in the blocks; returns those that are done, 0 when one of the plants has no more. */
-static uint32_t run_company(struct company *c, uint32_t n)
-{
-    uint32_t from = c->q[0].done % BLOCK_TICKS, room = BLOCK_TICKS - from, asked = n < room ? n : room;
-    for (uint32_t i = 0; i < SIDES; i++) {
-        struct quiet *q = &c->q[i < c->n ? i : c->n - 1];
-        if (q->done == BLOCK_TICKS)
-            turn_over(q, c->r[i]->pl->model->n_states);
-        if (i < c->n)
-            turn_drives(c->r[i]->pl, q, asked);
-        c->side[i].at = &q->b.at[2 * from];
-        c->side[i].x = &q->b.x[from];
-    }
-    uint32_t moved = c->run(c->side, asked);
-    bool stopped = moved < asked, good = true;
-    if (moved > 0)
-        c->book(c->books, c->side, c->n, moved);
-    for (uint32_t i = 0; i < c->n; i++) {
-        end_block(c, i, moved, stopped);
-        good = good && c->good[i];
-    }
-    return good ? moved + stopped : 0;
-}
-
-/* Single ticks up to one that may begin a block; false: there is none, or none of a block beside others. */
-static bool come_to_quiet(struct plant_run *r)
-{
-    struct plant *pl = r->pl;
-    while (r->good && pl->now.tick < r->to) {
-        if (pl->now.tick + QUIET_FEW < r->to && begins_quiet(pl))
-            return true;
-        r->good = plant_advance(pl, (struct instant){pl->now.tick + 1, 0});
-        if (r->good && r->look)
-            r->look(r->who, pl);
-    }
-    return false;
-}
-
-static void run_alone(struct plant_run *r)
-{
-    uint64_t ticks = r->to - r->pl->now.tick;
-    r->good = r->good &&
-              (r->look ? plant_run_seen(r->pl, ticks, r->look, r->several, r->who) : plant_run(r->pl, ticks));
-}
-
-/* Those of the n plants that are of the first one's kind and have quiet ticks next; false: they are too few.
- */
-static bool gather(struct company *c, struct plant_run *r, uint32_t n, const struct plant_beside *by)
-{
-    const struct plant *first = r[0].pl;
-    unsigned active = 0;
-    c->n = 0;
-    for (uint32_t i = 0; i < n && n > 1; i++) {
-        const struct plant *pl = r[i].pl;
-        if (pl->model != first->model || !pl->bind_run || !by->run(pl, 0) || !come_to_quiet(&r[i]) ||
-            pl->books != BOOKS_OF_LEDGER || !by->run(pl, 0))
-            continue;
-        active |= pl->segment.active;
-        c->r[c->n++] = &r[i];
-    }
-    if (c->n < BESIDE_FEW)
-        return false;
-    c->run = by->run(c->r[0]->pl, active);
-    c->book = by->book(first->model, active);
-    return true;
-}
-
-void plant_run_beside(struct plant_run *r, uint32_t n, const struct plant_beside *by)
-{
-    struct company c;
-    for (uint32_t i = 0; i < n; i++)
-        r[i].good = true;
-    while (gather(&c, r, n, by)) {
-        uint32_t left = begin_company(&c), done = 1;
-        for (; left > 0 && done > 0; left -= done)
-            done = run_company(&c, left);
-        for (uint32_t i = 0; i < c.n; i++)
-            c.r[i]->good = stop_quiet(c.r[i]->pl, &c.q[i], c.good[i], c.r[i]->look, c.r[i]->who);
-    }
-    for (uint32_t i = 0; i < n; i++)
-        run_alone(&r[i]);
-}
+/* ---- samples told ahead ---- */
 
 /* Input i is all that sounds, it may jump, and its sample is all of it, as it was in the last tick. */
 static bool is_held(const struct plant *pl, int i)

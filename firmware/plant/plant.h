@@ -170,7 +170,7 @@ MUST_CHECK bool plant_advance(struct plant *pl, struct instant to);
 MUST_CHECK bool plant_run(struct plant *pl, uint64_t ticks);
 
 /* Looks at a plant at the end of a tick: at its state, inputs, phasors, regime, events and tick. Its times
- * may stand earlier. */
+ * may stand elsewhere. */
 typedef void plant_look(void *who, const struct plant *pl);
 
 /* Looks at n ticks of a block from tick `from` on, in which no contact switches. The plant's model, numbers
@@ -182,27 +182,6 @@ typedef void plant_look_ticks(void *who, const struct plant *pl, const struct me
  * of each. `several`: NULL, or called instead for some ticks that it sees together. */
 MUST_CHECK bool plant_run_seen(struct plant *pl, uint64_t ticks, plant_look *look, plant_look_ticks *several,
                                void *who);
-
-/* The run of one of several plants. */
-struct plant_run {
-    struct plant *pl;
-    uint64_t to;      /* tick */
-    plant_look *look; /* NULL, or with the others as in plant_run_seen */
-    plant_look_ticks *several;
-    void *who;
-    bool good; /* as plant_run would return it */
-};
-
-/* How plants go side by side (host_sim/beside/beside.h), for those of which no input but these sounds. run:
- * NULL where this one goes alone, by the method that it has now. */
-struct plant_beside {
-    run_beside_function *(*run)(const struct plant *pl, unsigned active);
-    ledger_beside_function *(*book)(const struct model *m, unsigned active);
-};
-
-/* Runs n plants, at most SIDES, each from the start of a tick: to the bits of plant_run or plant_run_seen.
- * Quiet ticks of those of the first one's model go side by side, which costs less. */
-void plant_run_beside(struct plant_run *r, uint32_t n, const struct plant_beside *by);
 
 /* For each of n values plant_sample(pl, i, value, 0) and plant_run(pl, ticks), with equal bits. It costs
  * less where each is held for few ticks and no other input sounds. */

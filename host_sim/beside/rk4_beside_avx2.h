@@ -2,8 +2,8 @@
 #ifndef HOST_SIM_RK4_BESIDE_AVX2_H
 #define HOST_SIM_RK4_BESIDE_AVX2_H
 
-#include "firmware/method/method.h"
+#include "firmware/plant/plant_beside.h"
 
-run_beside_function *rk4_bind_beside_avx2(const struct model *m, unsigned active);
+plant_sides_function *rk4_bind_sides_avx2(const struct model *m, unsigned active);
 
 #endif

@@ -171,7 +171,7 @@ void plants_frames(struct plants *p, int i, int n)
         return;
     for (int k = 0; k < n; k++)
         app[k] = &p->one[i + k].scene.app;
-    app_frames(app, (uint32_t)n, &beside_plants);
+    app_frames(app, (uint32_t)n, beside_bind);
     for (int k = 0; k < n; k++) {
         p->one[i + k].faults |= app[k]->faults;
         p->one[i + k].due--;

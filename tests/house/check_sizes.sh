@@ -30,11 +30,12 @@ stages='firmware/stage/[a-z_]*\.o' # and one without actuators and sensors these
 models='models/(rolling|afm|shaft|reduced/|math/symmetric)[a-z_0-9]*\.o'
 # what rk4 and the ledger inline for the other models belongs to these models, and rk4_unlocated to the methods
 inlined=$(nm -S -t d "$build"/firmware/method/rk4.o "$build"/firmware/plant/ledger.o | awk '$4 ~ /^((step|run|piece|ticks|begins)_(rolling_contact|afm_tip|shaft_[a-z]*|linear[a-z_0-9]*|cubic[a-z_0-9]*)(\.constprop\.0)?|shaft_bearing_flow(_open)?|through_[a-z_0-9]*|(step|refuse|bind)_unlocated|bind_through)(\.constprop\.0)?$/ {n += $2} END {print n + 0}')
-beside=$(nm -S -t d "$build"/firmware/plant/plant.o "$build"/firmware/app/app.o "$build"/firmware/app/app_advance.o | awk '$4 ~ /^(plant_run_beside|app_advance_beside|app_frames)$/ {n += $2} END {print n + 0}')
-code=$(($(text $(objects -vE "$methods|$models|$selftest|$scenes|$stages|$station")) - inlined - beside))
+beside='firmware/plant/plant_beside\.o' # an image of one plant leaves it out, and what calls it
+besides=$(nm -S -t d "$build"/firmware/plant/plant.o "$build"/firmware/app/app.o "$build"/firmware/app/app_advance.o | awk '$4 ~ /^(quiet_step|quiet_stop|app_advance_beside|app_frames)$/ {n += $2} END {print n + 0}')
+code=$(($(text $(objects -vE "$methods|$models|$selftest|$scenes|$stages|$station|$beside")) - inlined - besides))
 limit "machine code of the app with hertz_rig and rk4" $code $code_limit
 echo "      rk4 and ledger inlined for the other models: $inlined bytes"
-echo "      plants side by side, which an image of one plant leaves out: $beside bytes"
+echo "      plants side by side, which an image of one plant leaves out: $((besides + $(text $(objects -E "$beside")))) bytes"
 for part in models methods selftest scenes station stages; do
     eval "pattern=\$$part"
     list=$(objects -E "$pattern") && echo "      $part beyond that: $(text $list) bytes"

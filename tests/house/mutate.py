@@ -24,6 +24,7 @@ TESTS = {  # file: names of unit tests (parts of them) in the order in which the
                          "segment", "selftest", "plant_", "app_fire"],
     "firmware/plant/plant.c": ["selftest", "plant_b", "plant_f", "plant_u", "plant_e", "plant_set", "plant_p", "plant",
                          "noise", "ledger", "switch", "watch", "app_", "energy"],
+    "firmware/plant/plant_beside.c": ["beside", "app_beside"],
     "firmware/plant/plant_change.c": ["plant_b", "plant_change", "plant", "selftest", "ledger", "watch", "app_"],
     "firmware/method/switch.c": ["switch", "selftest", "plant", "chatter", "exact_", "taylor_", "reference"],
     "firmware/method/segment.c": ["segment", "selftest", "plant", "noise"],

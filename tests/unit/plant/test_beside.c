@@ -4,8 +4,6 @@
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "host_sim/beside/beside.h"
-#include "host_sim/beside/ledger_beside.h"
-#include "host_sim/beside/ledger_beside_avx2.h"
 #include "host_sim/beside/rk4_beside.h"
 #include "host_sim/beside/rk4_beside_avx2.h"
 #include "models/hertz_rig.h"
@@ -83,7 +81,7 @@ static int run_part(uint32_t n)
             good[i] = plant_run(pl, own);
         }
     }
-    plant_run_beside(r, n, &beside_plants);
+    plant_run_beside(r, n, beside_bind);
     for (uint32_t i = 0; i < n; i++) {
         n_differ += good[i] != r[i].good || seen[0][i] != seen[1][i] || !any_same(&one_by_one[i], &beside[i]);
         if (!good[i]) { /* both go on from rest */
@@ -138,16 +136,17 @@ TEST(beside_plants)
 
 /* ---- the width of vectors ---- */
 
-/* Blocks of ticks near contact, and ledgers under way. */
-static void fill(struct method_block *b, struct ledger *l)
+/* Plants near contact whose ledgers are under way, and blocks of ticks. */
+static void fill(struct method_block *b, struct plant *pl)
 {
     for (int i = 0; i < SIDES; i++) {
-        memset(&l[i], 0, sizeof l[i]);
+        memset(&pl[i], 0, sizeof pl[i]);
         memset(&b[i], 0, sizeof b[i]);
-        l[i].active = b[i].active = (1u << RIG_INPUTS) - 1u;
-        b[i].regime = 1;
+        pl[i].p[RIG_P_TWO_XI] = 0.03;
+        pl[i].ledger.active = b[i].active = (1u << RIG_INPUTS) - 1u;
+        pl[i].regime = b[i].regime = 1;
         b[i].length = any_between(0.01, 0.1);
-        ledger_weigh(&l[i], b[i].length);
+        ledger_weigh(&pl[i].ledger, b[i].length);
         b[i].x[0][0] = any_between(0.01, 1.3);
         b[i].x[0][1] = any_between(-0.3, 0.3);
         for (int k = 0; k <= 2 * BLOCK_TICKS; k++)
@@ -156,29 +155,20 @@ static void fill(struct method_block *b, struct ledger *l)
     }
 }
 
-/* Moves and books a block; returns the ticks moved. */
-static uint32_t run_block(run_beside_function *run, ledger_beside_function *book, struct method_block *b,
-                          struct ledger *l)
+/* Returns the ticks moved. */
+static uint32_t run_block(plant_sides_function *run, struct method_block *b, struct plant *pl)
 {
-    static const double p[MODEL_DERIVED] = {[RIG_P_TWO_XI] = 0.03};
-    struct method_side side[SIDES];
-    struct ledger_side books[SIDES];
-    for (int i = 0; i < SIDES; i++) {
-        side[i] = (struct method_side){p, &b[i], b[i].at, b[i].x};
-        books[i] = (struct ledger_side){&l[i], 0.0};
-    }
-    uint32_t moved = run(side, BLOCK_TICKS);
-    book(books, side, SIDES, moved);
+    struct plant_side side[SIDES];
     for (int i = 0; i < SIDES; i++)
-        l[i].most = books[i].force;
-    return moved;
+        side[i] = (struct plant_side){&pl[i], &b[i], b[i].at, b[i].x};
+    return run(side, BLOCK_TICKS);
 }
 
 TEST(beside_widths)
 {
 #if defined(BESIDE_AVX2)
     static struct method_block narrow[SIDES], wide[SIDES];
-    static struct ledger narrow_ledger[SIDES], wide_ledger[SIDES];
+    static struct plant narrow_plant[SIDES], wide_plant[SIDES];
     unsigned active[2] = {1u << RIG_FORCE, 1u << RIG_BASE};
     uint32_t moved = 0;
     int n_differ = 0;
@@ -189,15 +179,13 @@ TEST(beside_widths)
     }
     for (int k = 0; k < 2000; k++) {
         unsigned which = active[k % 2];
-        fill(narrow, narrow_ledger);
+        fill(narrow, narrow_plant);
         memcpy(wide, narrow, sizeof wide);
-        memcpy(wide_ledger, narrow_ledger, sizeof wide_ledger);
-        uint32_t n = run_block(rk4_bind_beside_plain(&hertz_rig, which),
-                               ledger_bind_beside_plain(&hertz_rig, which), narrow, narrow_ledger);
-        n_differ += n != run_block(rk4_bind_beside_avx2(&hertz_rig, which),
-                                   ledger_bind_beside_avx2(&hertz_rig, which), wide, wide_ledger);
+        memcpy(wide_plant, narrow_plant, sizeof wide_plant);
+        uint32_t n = run_block(rk4_bind_sides_plain(&hertz_rig, which), narrow, narrow_plant);
+        n_differ += n != run_block(rk4_bind_sides_avx2(&hertz_rig, which), wide, wide_plant);
         n_differ += memcmp(wide, narrow, sizeof wide) != 0 ||
-                    memcmp(wide_ledger, narrow_ledger, sizeof wide_ledger) != 0;
+                    memcmp(wide_plant, narrow_plant, sizeof wide_plant) != 0;
         moved += n;
     }
     check_int("blocks whose bits depend on the width of vectors", n_differ, 0);

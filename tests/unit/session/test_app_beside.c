@@ -112,7 +112,7 @@ TEST(app_beside)
         for (int turn = 0; turn < TURNS; turn++) {
             for (uint32_t i = 0; i < n; i++)
                 n_differ += speak(i, turn);
-            app_frames(app, n, &beside_plants);
+            app_frames(app, n, beside_bind);
             for (uint32_t i = 0; i < n; i++) {
                 bus_silent(&alone[i], 1);
                 bus_collect(&beside[i]);

@@ -130,7 +130,7 @@ static void frame_of_shares(struct app *app, uint32_t n)
     struct app *together[PLANTS] = {NULL};
     for (uint32_t i = 0; i < n; i++)
         together[i] = &app[i];
-    app_frames(together, n, &beside_plants);
+    app_frames(together, n, beside_bind);
     share_flush(&share);
     while (wires.port[THEIRS].hal.recv(wires.port[THEIRS].hal.context, &f))
         continue;
