@@ -1,6 +1,7 @@
 /* test_beside.c - plants side by side have the bits of plants one by one. */
 #include "tests/unit/test.h"
 
+#include <math.h>
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "host_sim/beside/beside.h"
@@ -132,6 +133,56 @@ TEST(beside_plants)
     check_int("plants that differ from those one by one", n_differ, 0);
     check_above("ticks", (double)ticks, 1e6);
     check_above("contact switches among them", (double)switches, 1e4);
+}
+
+/* ---- dips: contact is lost and found within one tick ---- */
+
+/* A state on its way out of contact, which comes to y = 0 at a speed so small that the load brings it back
+ * within less than a tick: y'' = 2/3 (1 - y^{3/2}), without the damper. */
+static void set_grazing(struct plant *a, struct plant *b)
+{
+    double y = any_between(0.0, 0.05), out = any_between(0.0, 1.0 / 3.0) * a->h;
+    const double x[2] = {y, -sqrt(out * out + 4.0 / 3.0 * (y - 0.4 * y * y * sqrt(y)))};
+    plant_set_state(a, x);
+    plant_set_state(b, x);
+}
+
+/* Ticks of which the plant has a lift-off and then a touchdown. */
+static int count_dips(struct plant pl)
+{
+    struct event e, before = {.touch = true};
+    int n = 0;
+    while (plant_take_event(&pl, &e)) {
+        n += e.touch && !before.touch && e.tick == before.tick;
+        before = e;
+    }
+    return n;
+}
+
+TEST(beside_dips)
+{
+    struct plant_run r[SIDES];
+    bool good[SIDES];
+    int n_dips = 0, n_differ = 0;
+    any_seed = 5;
+    for (int run = 0; run < 100; run++) {
+        for (int i = 0; i < SIDES; i++) {
+            double tick_s = any_tick_s(&hertz_rig);
+            if (!any_start(&one_by_one[i], &hertz_rig, &rk4, tick_s, scratch[0][i], &stages[0][i]) ||
+                !any_start(&beside[i], &hertz_rig, &rk4, tick_s, scratch[1][i], &stages[1][i]))
+                check_true("a rig by rk4", false);
+            set_grazing(&one_by_one[i], &beside[i]);
+            r[i] = (struct plant_run){.pl = &beside[i], .to = 40};
+            good[i] = plant_run(&one_by_one[i], 40);
+        }
+        plant_run_beside(r, SIDES, beside_bind);
+        for (int i = 0; i < SIDES; i++) {
+            n_differ += !good[i] || !r[i].good || !any_same(&one_by_one[i], &beside[i]);
+            n_dips += count_dips(one_by_one[i]);
+        }
+    }
+    check_int("plants with dips that differ from those alone", n_differ, 0);
+    check_above("dips within one tick", n_dips, 150);
 }
 
 /* ---- the width of vectors ---- */
