@@ -111,6 +111,10 @@ TEST(lever_amplitude)
 {
     static const struct driven_tip CASE[] = {
         {"beta 0.8, attracted, rk4", 0.8, 1.0, 0.5, &rk4, 0.0, 24},
+        {"beta 0.8, attracted, adams, 16 ticks", 0.8, 1.0, 0.5, &adams, 0.0, 16},
+        {"beta 0.8, attracted, adams, 24 ticks", 0.8, 1.0, 0.5, &adams, 0.0, 24},
+        {"beta 0.8, repelled, adams", 0.8, -1.0, 0.5, &adams, 0.0, 32},
+        {"beta 29.7, repelled, adams", 29.7, -1.0, 0.0, &adams, 0.0, 128},
         {"beta 0.8, attracted, rk4_float32", 0.8, 1.0, 0.5, &rk4_float32, 0.0, 24},
         {"beta 0.8, repelled, rk4", 0.8, -1.0, 0.5, &rk4, 0.0, 48},
         /* relative to the whole motion, of which this amplitude is a part */

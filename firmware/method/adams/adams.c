@@ -1,10 +1,11 @@
 /* adams.c - Adams' predictor and corrector with one force a tick, for errors of 1e-3.
  *
  * The motion is eta'' = u(t) + g(eta, eta') of a model's hertz_form. The inputs' part u is integrated in
- * closed form (adams_wave.c), so a jump or a ramp of a force spoils nothing. Only g is extrapolated. A
- * quartic through the last five g predicts the end of a tick; a quintic that has g there, too, corrects it
- * (Adams, Bashforth, Moulton; Stormer for the place). g is not computed again. The order is 6 in smooth
- * motion, and 5 with its start. A step goes straight through a contact switch. Its end gets what the rule
+ * closed form (adams_wave.c), so a jump or a ramp of a force spoils nothing. Only g is extrapolated. A rule
+ * through the last five g predicts the end of a tick; one that has g there, too, corrects it (Adams,
+ * Bashforth, Moulton; Stormer for the place). Both are exact for a free motion's frequency, or for that of an
+ * input that stands in g (adams_weights.c). g is not computed again. The order is 6 in smooth motion, and 5
+ * with its start. A step goes straight through a contact switch. Its end gets what the rule
  * lacks there (adams_kink.c): order 4 to 5, from the sixth tick behind the switch on. A tick costs one square
  * root.
  *
@@ -22,6 +23,7 @@
 #include "firmware/method/adams/adams_books.h"
 #include "firmware/method/adams/adams_kink.h"
 #include "firmware/method/adams/adams_wave.h"
+#include "firmware/method/adams/adams_weights.h"
 #include "firmware/method/switch.h"
 #include "models/check.h"
 
@@ -36,36 +38,19 @@ static size_t n_scratch(const struct model *m)
 
 static const char *refuse(const struct model *m, const double *p, double h, double tol)
 {
+    struct hertz_form form;
     (void)tol;
     if (!m->hertz_form)
         return "adams is for a model with one Hertzian contact (hertz_rig, rolling_contact, afm_tip); take "
                "auto";
     if (!(h * m->eigenfrequency(p) <= ADAMS_ANGLE_MAX))
-        return "step too coarse for adams: eigenfrequency * step is above 0.3 rad (more substeps, or a "
-               "slower "
-               "rig)";
+        return "step too coarse for adams: eigenfrequency * step is above 0.4 rad (more substeps, or a "
+               "slower rig)";
+    m->hertz_form(p, &form);
+    if (!(h * form.damping <= ADAMS_DAMPING_MAX))
+        return "step too coarse for adams: damping/mass * step is above 0.04 (more substeps, less damping, "
+               "or rk4)";
     return NULL;
-}
-
-/* Weights of equal steps, in units of h^2 for the place and of h for the rate: the integrals of 1 - s and of
- * 1 over 0 <= s <= 1 times the quartics that are 1 at one of 0, -1, .. -4 and 0 at the others. The
- * corrector's quintic is that quartic and a multiple of the quintic that is 0 at these and 1 at 1. */
-static const double predict[ADAMS_NODES][2] = {{1427.0 / 1440.0, 1901.0 / 720.0},
-                                               {-1596.0 / 1440.0, -2774.0 / 720.0},
-                                               {1446.0 / 1440.0, 2616.0 / 720.0},
-                                               {-692.0 / 1440.0, -1274.0 / 720.0},
-                                               {135.0 / 1440.0, 251.0 / 720.0}};
-static const double correct[2] = {863.0 / 10080.0, 475.0 / 1440.0};
-
-/* The weights for steps of h. `without` lacks the share of the newest g, which the weight of that g brings
- * along. So place and rate at the end of a tick do not stand between one g and the next. */
-static void weigh(struct adams *s, double h)
-{
-    const adams_pair unit = {h * h, h};
-    for (int j = 0; j < ADAMS_NODES; j++)
-        s->predict[j] = unit * (adams_pair){predict[j][0], predict[j][1]};
-    s->correct = unit * (adams_pair){correct[0], correct[1]};
-    s->predict[0] += s->correct + (adams_pair){h * s->correct[ADAMS_RATE], 0.0};
 }
 
 static void prepare(const struct model *m, const double *p, double h, double tol, double *scratch)
@@ -79,9 +64,11 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     m->hertz_form(p, &s->form);
     s->per_damping = s->form.damping > 0.0 ? 1.0 / s->form.damping : 0.0;
     s->h = h;
-    weigh(s, h);
     s->rule = rule_of(h);
     adams_prepare_series(s);
+    s->angle = -1.0;
+    s->free_angle = h * m->eigenfrequency(p);
+    (void)adams_weigh(s, s->free_angle);
     for (int i = 0; i < m->n_inputs; i++) {
         s->modulating |= (s->form.modulation[i] != 0.0 ? 1u : 0u) << i;
         s->shifting |= (s->form.shift[i] != 0.0 ? 1u : 0u) << i;
@@ -152,7 +139,7 @@ ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, dou
         BOTH SIDE(ahead) += unfused(SIDE(s->predict[j]) * m->g[j]);
     }
     double extrapolated =
-        (unfused(5.0 * (m->g[0] - m->g[3])) - unfused(10.0 * (m->g[1] - m->g[2]))) + m->g[4];
+        (unfused(s->ahead[0] * (m->g[0] - m->g[3])) - unfused(s->ahead[1] * (m->g[1] - m->g[2]))) + m->g[4];
     double g = force_at(s, stiffness, ahead[ADAMS_PLACE], ahead[ADAMS_RATE], &end->contact);
     BOTH SIDE(end->without) = SIDE(ahead) - unfused(SIDE(s->correct) * extrapolated);
     BOTH SIDE(end->at) = SIDE(end->without) + unfused(SIDE(s->correct) * g);
@@ -279,11 +266,29 @@ static bool stands(const struct adams *s, const double *x)
     return x[0] == s->x[0] && x[1] == s->x[1];
 }
 
+/* The angle by which g turns in a tick: with the fastest input that stands in it and that weights may follow,
+ * or with a free motion. */
+static double turn_of(const struct adams *s)
+{
+    unsigned within = s->modulating | s->shifting;
+    double most = 0.0;
+    for (int k = 0; k < s->n_on; k++) {
+        const struct wave *w = &s->wave[s->on[k]];
+        double angle = fabs(w->omega * s->h);
+        bool sounds = w->amplitude != 0.0 || w->growth != 0.0;
+        if (((within >> s->on[k]) & 1u) && sounds && angle <= ADAMS_FIT_MOST && angle > most)
+            most = angle;
+    }
+    return most > 0.0 ? most : s->free_angle;
+}
+
 /* The segment goes on from the past, or begins without one. */
 NEVER_INLINE void follow(struct adams *s, const struct segment *e, const double *x)
 {
     unsigned were = s->active;
     adams_take_waves(s, e);
+    if (adams_weigh(s, turn_of(s)))
+        BOTH SIDE(s->m.without) = SIDE(s->m.at) - SIDE(s->correct) * s->m.g[0];
     memset(s->books, 0, sizeof s->books); /* the work of other inputs stays 0 */
     if (s->known == 0 || !stands(s, x) || ((were | e->active) & (s->modulating | s->shifting)) != 0) {
         find_place(s, e->at[0], x);

@@ -4,8 +4,12 @@
 
 #include "firmware/method/method.h"
 
-/* The step guard of adams: above it the predictor loses its order. */
-#define ADAMS_ANGLE_MAX 0.3
+/* The step guard of adams, rad a tick: above it the predictor loses its order. */
+#define ADAMS_ANGLE_MAX 0.4
+
+/* Likewise of the step times the damping over the mass. The damper's force is extrapolated, too: above 0.049,
+ * at that angle, or 0.088, at short steps, errors grow from tick to tick. */
+#define ADAMS_DAMPING_MAX 0.04
 
 enum {
     ADAMS_NODES = 5, /* forces that the predictor looks back on */
@@ -71,6 +75,8 @@ struct adams {
     unsigned modulating, shifting;            /* bit i: so does input i */
     adams_pair predict[ADAMS_NODES], correct; /* weights: of g, the newest first; of what g is beside its
                                                * extrapolation */
+    double free_angle;                        /* by which a free motion turns in a tick */
+    double angle, ahead[2];                   /* the wave that they are for; the extrapolation */
     struct adams_rule rule;                   /* for a whole tick */
     double series[ADAMS_TERMS];
     /* the inputs */

@@ -10,10 +10,6 @@
 
 #include "models/math/elementary.h"
 
-struct complex {
-    double re, im;
-};
-
 void adams_prepare_series(struct adams *s)
 {
     double factorial = 1.0;
@@ -39,8 +35,7 @@ static struct complex sum(struct complex a, struct complex b)
     return (struct complex){a.re + b.re, a.im + b.im};
 }
 
-/* exp(i z) and M_0 to M_2. */
-static void moments(const struct adams *s, double z, struct complex *e, struct complex m[3])
+void adams_moments(const struct adams *s, double z, struct complex *e, struct complex m[3])
 {
     double square = -(z * z), even = 0.0, odd = 0.0;
     for (int n = ADAMS_TERMS - 2; n >= 0; n -= 2) {
@@ -69,7 +64,7 @@ static void respond(const struct adams *s, int i, double h, struct adams_respons
     *r = (struct adams_response){{0.0, 0.0}, {0.0, 0.0}};
     if (a == 0.0 && growth == 0.0)
         return;
-    moments(s, turn, &e, m);
+    adams_moments(s, turn, &e, m);
     struct complex all = sum(times(a, m[0]), times(growth, m[1]));
     struct complex away = sum(all, times(-1.0, sum(times(a, m[1]), times(growth, m[2]))));
     struct complex there = times(end, e), step = sum(there, times(-1.0, begin));

@@ -13,6 +13,13 @@ ALWAYS_INLINE adams_pair adams_push_steady(double h, double value, double slope)
 /* The series of the functions below, once for all. */
 void adams_prepare_series(struct adams *s);
 
+struct complex {
+    double re, im;
+};
+
+/* exp(i z), and M_k, the integrals of t^k exp(i z t) over 0 <= t <= 1, for |z| up to pi. */
+void adams_moments(const struct adams *s, double z, struct complex *e, struct complex m[3]);
+
 /* The active inputs, their waves and their push in a tick. A wave that only turns on keeps its response. */
 void adams_take_waves(struct adams *s, const struct segment *e);
 

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 #include "firmware/method/adams/adams_kink.h"
+#include "firmware/method/adams/adams_wave.h"
+#include "firmware/method/adams/adams_weights.h"
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
 #include "models/afm_tip.h"
@@ -125,6 +127,81 @@ static void check_order(const struct trajectory *r)
 TEST(adams_order)
 {
     trajectory_all(check_order);
+}
+
+/* The integral of (1 - s) f or of f over 0 <= s <= 1, by Simpson's rule over 2000 parts. */
+static double integral_of(double (*f)(double s, double z), double z, int which)
+{
+    const int n = 2000;
+    double sum = 0.0;
+    for (int k = 0; k <= n; k++) {
+        double s = (double)k / n, weight = k == 0 || k == n ? 1.0 : 2.0 + 2.0 * (k % 2);
+        sum += weight * (which == ADAMS_PLACE ? 1.0 - s : 1.0) * f(s, z);
+    }
+    return sum / (3.0 * n);
+}
+
+static double cosine(double s, double z)
+{
+    return cos(z * s);
+}
+
+static double sine(double s, double z)
+{
+    return sin(z * s);
+}
+
+static double square(double s, double z)
+{
+    (void)z;
+    return s * s;
+}
+
+static double cube(double s, double z)
+{
+    (void)z;
+    return s * s * s;
+}
+
+/* A step of length 1 on f: without and with the force at its end. */
+static void check_rule(const struct adams *s, double (*f)(double s, double z), double z, const char *name)
+{
+    double ahead =
+        s->ahead[0] * (f(0.0, z) - f(-3.0, z)) - s->ahead[1] * (f(-1.0, z) - f(-2.0, z)) + f(-4.0, z);
+    for (int which = 0; which < 2; which++) {
+        double past = which == ADAMS_PLACE ? s->correct[0] + s->correct[1] : s->correct[1];
+        double predicted = -past * f(0.0, z);
+        for (int j = 0; j < ADAMS_NODES; j++)
+            predicted += s->predict[j][which] * f(-j, z);
+        double corrected = predicted + s->correct[which] * (f(1.0, z) - ahead);
+        double truth = integral_of(f, z, which);
+        if (f != cube)
+            check_near(check_name("%s at %g, predicted: %s", name, z, which ? "rate" : "place"), predicted,
+                       truth, 2e-10);
+        check_near(check_name("%s at %g, corrected: %s", name, z, which ? "rate" : "place"), corrected, truth,
+                   2e-10);
+    }
+}
+
+/* Exact for a wave of the angle that they are for, and for polynomials. */
+TEST(adams_weights_fit_wave)
+{
+    static const double ANGLE[] = {0.051, 0.3, 1.0, 1.6, 2.1};
+    static struct adams s;
+    s.h = 1.0;
+    adams_prepare_series(&s);
+    for (unsigned i = 0; i < sizeof ANGLE / sizeof ANGLE[0]; i++) {
+        check_true("they change", adams_weigh(&s, ANGLE[i]));
+        check_true("once", !adams_weigh(&s, ANGLE[i]));
+        check_rule(&s, cosine, ANGLE[i], "cosine");
+        check_rule(&s, sine, ANGLE[i], "sine");
+        check_rule(&s, cosine, 0.0, "constant");
+        check_rule(&s, square, ANGLE[i], "square");
+        check_rule(&s, cube, ANGLE[i], "cube");
+    }
+    check_true("beyond the largest they do", adams_weigh(&s, ADAMS_FIT_MOST + 0.1));
+    check_rule(&s, cube, 0.0, "cube");
+    check_true("and are those of no wave", !adams_weigh(&s, 0.0));
 }
 
 static int n_told;
@@ -358,7 +435,7 @@ TEST(adams_refusals)
         for (int k = 0; k < m->n_parameters; k++)
             si[k] = m->parameter[k].initial;
         m->prepare(si, p, &scale);
-        double h = 0.299 / m->eigenfrequency(p);
+        double h = 0.399 / m->eigenfrequency(p);
         const char *why = adams.refuse(m, p, h, 0.0);
         n_taken += why == NULL;
         if (!m->hertz_form)
@@ -367,4 +444,30 @@ TEST(adams_refusals)
             check_contains(m->name, adams.refuse(m, p, 1.01 * h, 0.0), "more substeps");
     }
     check_int("models that it takes", n_taken, 3);
+}
+
+/* At the bounds on angle and damping a motion still comes to rest; beyond that on damping it would not. */
+TEST(adams_keeps_damping)
+{
+    static const double XI[] = {0.05, 0.0515}; /* h 2 xi: 0.0399 and 0.0411 */
+    const double h = 0.399;
+    for (int i = 0; i < 2; i++) {
+        double paper[MODEL_PARAMETERS], si[MODEL_PARAMETERS], p[MODEL_DERIVED];
+        struct harmonic drive[MODEL_INPUTS];
+        struct scale scale;
+        paper_defaults(&hertz_rig, paper);
+        paper[RIG_PAPER_XI] = XI[i];
+        hertz_rig.from_paper(paper, si, drive);
+        hertz_rig.prepare(si, p, &scale);
+        const char *why = adams.refuse(&hertz_rig, p, h, 0.0);
+        if (i > 0) {
+            check_contains("too much damping", why ? why : "taken", "less damping");
+            continue;
+        }
+        check_no_error("the most damping", why);
+        paper[RIG_PAPER_SIGMA] = 0.0;
+        paper_start_by(&pl, &hertz_rig, &adams, 0.0, scratch, paper, h, (double[]){0.3, 0.0});
+        run_ticks(2000);
+        check_near("at rest", pl.x[0], 1.0, 1e-12);
+    }
 }
