@@ -55,16 +55,15 @@ typedef double lanes_in_memory
     };                                                                                                       \
     ALWAYS_INLINE real_##name real_positive_##name(real_##name x)                                            \
     {                                                                                                        \
-        return (real_##name)((mask_##name)x & (x > 0.0));                                                    \
+        return builtin(maxpd)(x, (real_##name){0.0});                                                        \
     }                                                                                                        \
     ALWAYS_INLINE real_##name real_negative_##name(real_##name x)                                            \
     {                                                                                                        \
-        return (real_##name)((mask_##name)x & (x < 0.0));                                                    \
+        return builtin(minpd)(x, (real_##name){0.0});                                                        \
     }                                                                                                        \
     ALWAYS_INLINE real_##name real_larger_##name(real_##name a, real_##name b)                               \
     {                                                                                                        \
-        mask_##name more = a > b;                                                                            \
-        return (real_##name)(((mask_##name)a & more) | ((mask_##name)b & ~more));                            \
+        return builtin(maxpd)(a, b); /* b where one is no number */                                          \
     }                                                                                                        \
     ALWAYS_INLINE real_##name sqrt_##name(real_##name x)                                                     \
     {                                                                                                        \

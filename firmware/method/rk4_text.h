@@ -11,17 +11,16 @@ struct REAL(inlined) {
     int n, n_contacts;
 };
 
-/* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities. The stage velocities are
- * put into the stage positions. So the chain from one force to the next is two operations shorter, and the
- * positions need the sum of three accelerations only. */
-ALWAYS_INLINE void REAL(advance)(struct REAL(inlined) m, const real *p, real h,
-                                 const struct REAL(input) * begin, const struct REAL(input) * middle,
-                                 const struct REAL(input) * end, const real *x, real *x1)
+/* Classical RK4 of x'' = f(t, x, x'), positions first in the state, then velocities, from the slope k1 at its
+ * begin. The stage velocities are put into the stage positions. So the chain from one force to the next is
+ * two operations shorter, and the positions need the sum of three accelerations only. */
+ALWAYS_INLINE void REAL(advance_from)(struct REAL(inlined) m, const real *p, real h, const real *k1,
+                                      const struct REAL(input) * middle, const struct REAL(input) * end,
+                                      const real *x, real *x1)
 {
-    real k1[MODEL_STATES], k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
+    real k2[MODEL_STATES], k3[MODEL_STATES], k4[MODEL_STATES], y[MODEL_STATES];
     real half = 0.5 * h, quarter = half * half, square = half * h;
     int n = m.n / 2;
-    m.rhs(p, begin, x, k1);
     for (int i = 0; i < n; i++) {
         y[i] = x[i] + half * x[n + i];
         y[n + i] = x[n + i] + half * k1[n + i];
@@ -43,4 +42,13 @@ ALWAYS_INLINE void REAL(advance)(struct REAL(inlined) m, const real *p, real h,
         x1[i] = (x[i] + h * x[n + i]) + sixth_square * (k1[n + i] + twice);
         x1[n + i] = x[n + i] + sixth * ((k1[n + i] + k4[n + i]) + 2.0 * twice);
     }
+}
+
+ALWAYS_INLINE void REAL(advance)(struct REAL(inlined) m, const real *p, real h,
+                                 const struct REAL(input) * begin, const struct REAL(input) * middle,
+                                 const struct REAL(input) * end, const real *x, real *x1)
+{
+    real k1[MODEL_STATES];
+    m.rhs(p, begin, x, k1);
+    REAL(advance_from)(m, p, h, k1, middle, end, x, x1);
 }

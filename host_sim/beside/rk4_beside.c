@@ -24,7 +24,7 @@ struct row {
 
 /* PLANT_LANES plants under way: one lane for each. */
 struct lanes {
-    real_beside p[MODEL_DERIVED], h, x[MODEL_STATES];
+    real_beside p[MODEL_DERIVED], h, x[MODEL_STATES], slope[MODEL_STATES];
     real_beside sign[MODEL_CONTACTS]; /* sign * gap > 0 is a switch */
     struct input_beside u[3][MODEL_INPUTS];
     struct ledger_beside ledger;
@@ -47,6 +47,7 @@ ALWAYS_INLINE void take_up(struct row m, struct lanes *c, const struct plant_sid
     UNROLL
     for (int i = 0; i < m.n_inputs; i++)
         c->u[2][i] = (struct input_beside){OF_EACH(side, at[0][i].value), OF_EACH(side, at[0][i].rate)};
+    m.method.rhs(c->p, c->u[2], c->x, c->slope);
     c->peak_force = OF_EACH(side, pl->peak_force);
     c->total_time = OF_EACH(side, pl->total_time);
     c->loss_time = OF_EACH(side, pl->loss_time);
@@ -92,11 +93,12 @@ ALWAYS_INLINE mask_beside suspected(struct inlined_beside m, const struct lanes 
     return ~good;
 }
 
-/* Tick k, with the state x1 at its end. */
+/* Tick k, with the state x1 at its end. The books need the force there, as the next tick does. */
 ALWAYS_INLINE void take_tick(struct row m, struct lanes *c, const struct plant_side *side, uint32_t k,
                              const real_beside *x1)
 {
     real_beside force = one_piece_beside(m.ledger, &c->ledger, c->p, &c->u[1], c->x, x1);
+    m.method.rhs(c->p, c->u[2], x1, c->slope);
     c->peak_force = real_larger_beside(force, c->peak_force);
     c->total_time += c->h;
     c->loss_time += c->lost;
@@ -134,7 +136,7 @@ ALWAYS_INLINE uint32_t run_sides(struct row m, const struct plant_side *side, ui
         UNROLL
         for (int v = 0; v < VECTORS; v++) {
             excite(m.n_inputs, &c[v], &side[v * PLANT_LANES], tick);
-            advance_beside(m.method, c[v].p, c[v].h, c[v].u[0], c[v].u[1], c[v].u[2], c[v].x, x1[v]);
+            advance_from_beside(m.method, c[v].p, c[v].h, c[v].slope, c[v].u[1], c[v].u[2], c[v].x, x1[v]);
             bad |= suspected(m.method, &c[v], x1[v]);
         }
         if (any_beside(bad))
