@@ -7,6 +7,7 @@
 #include "host_sim/choose/choose_run.h"
 #include "host_sim/choose/choose_tell.h"
 #include "host_sim/choose/choose_truth.h"
+#include "host_sim/out/plural.h"
 
 enum { ATTEMPTS = 24 /* runs of one method on one model */ };
 static const double ticks_max = 4e7;                 /* in one run */
@@ -235,7 +236,7 @@ void choose_climb(struct search *o, struct choose_verdict *v, int method, double
         choose_price(o, t, method);
         if (choose_rank(o->c, t, method) >= most || ticks(&t->scene) > ticks_max) {
             snprintf(why, sizeof why, "it needs at least %u step%s per frame, which cost more",
-                     t->scene.substeps, t->scene.substeps > 1 ? "s" : "");
+                     t->scene.substeps, plural(t->scene.substeps));
             break;
         }
         choose_tell(o, "trying", &t->scene);

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "host_sim/choose/choose_ladder.h"
+#include "host_sim/out/plural.h"
 #include "models/afm_lever.h"
 #include "models/reduced/afm_tip_reduced.h"
 #include "models/math/elementary.h"
@@ -195,7 +196,7 @@ static void reduce(const struct scene *full, int modes, bool bare, struct choose
     *candidate = (struct choose_candidate){.scene = *full};
     candidate->kind = (enum choose_kind)((fewer ? KIND_FEWER : 0) | (bare ? KIND_BARE : 0));
     snprintf(candidate->name, sizeof candidate->name, "%s, %d mode%s%s", full->model->name, modes,
-             modes > 1 ? "s" : "", bare ? ", no attraction" : "");
+             plural(modes), bare ? ", no attraction" : "");
     keep_modes(&candidate->scene, modes);
     if (bare)
         candidate->scene.value[LEVER_HAMAKER] = candidate->scene.value[LEVER_HAMAKER_OUT] = 0.0;

@@ -5,6 +5,7 @@
 #include "host_sim/choose/choose_climb.h"
 #include "host_sim/choose/choose_watch.h"
 #include "host_sim/cli/paragraph.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/scene/scene_check.h"
 #include "host_sim/scene/scene_print.h"
 #include "models/afm_lever.h"
@@ -15,11 +16,6 @@ enum { HEAD = 11, NAME = 15 /* columns of a row's name, and of a method's within
 static const struct choose_attempt *chosen(const struct choose_certificate *c)
 {
     return &c->verdict[c->choice].attempt[c->method];
-}
-
-static const char *plural(double n)
-{
-    return n > 1.0 ? "s" : "";
 }
 
 static const char *time_unit(const struct choose_certificate *c)
@@ -142,7 +138,7 @@ static void print_attempts(FILE *out, const struct choose_certificate *c, int i)
         else if (t->met)
             paragraph_print(out, HEAD + NAME, head,
                             "%u step%s per frame keep%s the tolerance, at %.0f instructions",
-                            t->scene.substeps, plural(t->scene.substeps), t->scene.substeps > 1 ? "" : "s",
+                            t->scene.substeps, plural(t->scene.substeps), singular(t->scene.substeps),
                             choose_frame_cost(t, c->machine));
         else
             paragraph_print(out, HEAD + NAME, head, "%s%s", t->why, error);

@@ -97,9 +97,25 @@ static const struct {
 };
 enum { OTHERS = sizeof other_table / sizeof other_table[0] };
 
+/* A rate, m/s, is told by the minute, too: nm/min. */
+static bool by_minute(const char *t, size_t n, const char *unit, struct scale *scale)
+{
+    char second[UNIT_TEXT];
+    size_t length = strlen(unit);
+    if (length < 2 || strcmp(unit + length - 2, "/s") || n < 4 || n - 2 > sizeof second ||
+        memcmp(t + n - 4, "/min", 4))
+        return false;
+    memcpy(second, t, n - 4);
+    memcpy(second + n - 4, "/s", 2);
+    if (!is_multiple(second, n - 2, unit, scale))
+        return false;
+    scale->factor /= 60.0;
+    return true;
+}
+
 static bool scale_of(const char *t, size_t n, const char *unit, struct scale *scale)
 {
-    if (is_multiple(t, n, unit, scale))
+    if (is_multiple(t, n, unit, scale) || by_minute(t, n, unit, scale))
         return true;
     for (int i = 0; i < OTHERS; i++) {
         if (strcmp(unit, other_table[i].unit))

@@ -1,5 +1,6 @@
 /* decode_rows.c - see decode_rows.h. */
 #include "host_sim/listen/decode_rows.h"
+#include "host_sim/out/plural.h"
 #include "models/check.h"
 
 #include <math.h>
@@ -228,7 +229,8 @@ void decode_tell_missing(const struct decode *d, const char *command, const char
 {
     if (d->missing)
         fprintf(stderr,
-                "contactplant %s: %s: %llu frames of the plant are missing (COUNTER, FRAME); their cells "
+                "contactplant %s: %s: %llu frame%s of the plant %s missing (COUNTER, FRAME); their cells "
                 "are empty\n",
-                command, where, (unsigned long long)d->missing);
+                command, where, (unsigned long long)d->missing, plural((double)d->missing),
+                d->missing == 1 ? "is" : "are");
 }

@@ -10,6 +10,7 @@
 #include "host_sim/replay/monitor_rows.h"
 #include "host_sim/live/remote.h"
 #include "host_sim/out/cell.h"
+#include "host_sim/out/plural.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -210,9 +211,10 @@ static int tell_withheld(const struct monitor *k)
 {
     if (k->withheld)
         fprintf(stderr,
-                "contactplant monitor: %llu messages were withheld until the plant tells its identity, every "
+                "contactplant monitor: %llu message%s %s withheld until the plant tells its identity, every "
                 "100 frames\n",
-                (unsigned long long)k->withheld);
+                (unsigned long long)k->withheld, plural((double)k->withheld),
+                k->withheld == 1 ? "was" : "were");
     if (k->withheld && !k->printed)
         return options_failure(k->o->usage, "the plant has not told its identity (INFO); listen longer");
     return STATUS_DONE;
@@ -236,8 +238,8 @@ static int listen_in(struct monitor *k)
             return STATUS_DONE; /* who read it has seen enough, or options_finish tells of a full disk */
     }
     if (k->remote.client.bad)
-        fprintf(stderr, "contactplant monitor: %llu frames did not decode (CRC, length or counter)\n",
-                (unsigned long long)k->remote.client.bad);
+        fprintf(stderr, "contactplant monitor: %llu frame%s did not decode (CRC, length or counter)\n",
+                (unsigned long long)k->remote.client.bad, plural((double)k->remote.client.bad));
     if (!heard)
         return options_failure(k->o->usage,
                                "heard nothing; is a plant running, and does it list us as a --peer?");

@@ -14,6 +14,7 @@
 #include "host_sim/merge/merge_junit.h"
 #include "host_sim/merge/merge_map.h"
 #include "host_sim/out/json.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/out/utf8.h"
 #include "host_sim/out/xml.h"
 
@@ -247,7 +248,7 @@ static int write_all(struct merge *m)
     if (!files_finish(m->out, !status) && !status)
         status = options_failure(m->o->usage, "cannot write %s: %s; choose another", out, strerror(errno));
     if (!status)
-        printf("%d parts: %s\n", m->n, m->summary);
+        printf("%d part%s: %s\n", m->n, plural(m->n), m->summary);
     return status;
 }
 

@@ -7,6 +7,7 @@
 #include "host_sim/commands.h"
 #include "host_sim/merge/cases.h"
 #include "host_sim/out/json.h"
+#include "host_sim/out/plural.h"
 
 struct text {
     char *bytes;
@@ -159,7 +160,7 @@ static int merge_all(struct all *a)
     share_end(a->n, "cases", end);
     snprintf(mark, sizeof mark, complete, end);
     json_put(&j, mark);
-    snprintf(m->summary, sizeof m->summary, "%d cases", a->n);
+    snprintf(m->summary, sizeof m->summary, "%d case%s", a->n, plural(a->n));
     return status;
 }
 

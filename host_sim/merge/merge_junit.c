@@ -6,6 +6,7 @@
 #include <string.h>
 #include "host_sim/commands.h"
 #include "host_sim/merge/cases.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/out/xml.h"
 
 struct counts {
@@ -161,8 +162,8 @@ static void put_all(struct junit *j)
     fputs("</testsuites>\n", out);
     share_end(all.tests, "cases", end);
     xml_put(out, XML_MARK, end);
-    snprintf(j->m->summary, MERGE_SUMMARY, "%d cases of %d test files, %d failed, %d with an error",
-             all.tests, j->n, all.failures, all.errors);
+    snprintf(j->m->summary, MERGE_SUMMARY, "%d case%s of %d test file%s, %d failed, %d with an error",
+             all.tests, plural(all.tests), j->n, plural(j->n), all.failures, all.errors);
 }
 
 static void forget(struct junit *j)

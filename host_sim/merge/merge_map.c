@@ -3,6 +3,7 @@
 
 #include <string.h>
 #include "host_sim/maps/jobs.h"
+#include "host_sim/out/plural.h"
 
 struct map {
     struct merge *m;
@@ -82,6 +83,7 @@ int merge_map(struct merge *m)
         status = status ? status : add_share(&a);
         lines_close(&a.l);
     }
-    snprintf(m->summary, sizeof m->summary, "%d jobs, %ld rows", m->part[0].share.things, a.all);
+    snprintf(m->summary, sizeof m->summary, "%d job%s, %ld row%s", m->part[0].share.things,
+             plural(m->part[0].share.things), a.all, plural((double)a.all));
     return status;
 }

@@ -7,6 +7,7 @@
 #include "host_sim/cli/options_nearest.h"
 #include "host_sim/cli/unit.h"
 #include "host_sim/commands.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 
@@ -208,9 +209,10 @@ static enum compare_verdict tell_ends(const struct compare_course *g, char *text
                  "%s has no row of this plant while its time runs; is its --base-id another one?",
                  name_of(c, a->log.rows.begun && goes_on(c, a) ? 1 : 0));
     else if (goes_on(c, a) == goes_on(c, b))
-        snprintf(text, COMPARE_TEXT, "%llu rows agree", n);
+        snprintf(text, COMPARE_TEXT, "%llu row%s agree%s", n, plural((double)n), singular((double)n));
     else
-        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu rows", name_of(c, first ? 0 : 1), n);
+        snprintf(text, COMPARE_TEXT, "%s ends first, after %llu row%s", name_of(c, first ? 0 : 1), n,
+                 plural((double)n));
     if (a->got < 0 || b->got < 0 || !n)
         return COMPARE_BAD;
     return goes_on(c, a) == goes_on(c, b) ? COMPARE_EQUAL : COMPARE_APART;

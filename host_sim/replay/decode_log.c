@@ -1,5 +1,6 @@
 /* decode_log.c - see decode_log.h. */
 #include "host_sim/replay/decode_log.h"
+#include "host_sim/out/plural.h"
 
 #include <stdio.h>
 
@@ -45,6 +46,6 @@ void decode_log_tell(const struct decode_log *d, const char *command)
         fprintf(stderr,
                 "contactplant %s: %s: plant time begins anew %u time%s; the plant was started again, or this "
                 "is more than one log\n",
-                command, d->log.reader.path, runs, runs == 1 ? "" : "s");
+                command, d->log.reader.path, runs, plural(runs));
     decode_tell_missing(&d->rows, command, d->log.reader.path);
 }

@@ -5,6 +5,7 @@
 #include "hal/posix/pcapng.h"
 #include "host_sim/cli/names.h"
 #include "host_sim/commands.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/replay/plant_log.h"
 #include "host_sim/version.h"
@@ -159,14 +160,15 @@ static void tell(const struct source *s, const char *command)
     const struct log_reader *r = &s->log.reader;
     uint64_t damaged = r->count[LOG_DAMAGED] + r->count[LOG_CUT];
     if (damaged)
-        fprintf(stderr, "contactplant %s: %s: passed over %llu damaged lines%s%s\n", command, r->path,
-                (unsigned long long)damaged, *r->damage ? "; the first is " : "", r->damage);
+        fprintf(stderr, "contactplant %s: %s: passed over %llu damaged line%s%s%s\n", command, r->path,
+                (unsigned long long)damaged, plural((double)damaged), *r->damage ? "; the first is " : "",
+                r->damage);
     if (r->elsewhere)
-        fprintf(stderr, "contactplant %s: %s: passed over %llu lines of other interfaces than %s\n", command,
-                r->path, (unsigned long long)r->elsewhere, s->log.chosen);
+        fprintf(stderr, "contactplant %s: %s: passed over %llu line%s of other interfaces than %s\n", command,
+                r->path, (unsigned long long)r->elsewhere, plural((double)r->elsewhere), s->log.chosen);
     if (s->backwards)
-        fprintf(stderr, "contactplant %s: %s: time runs backwards %llu times; its stamps are kept\n", command,
-                r->path, (unsigned long long)s->backwards);
+        fprintf(stderr, "contactplant %s: %s: time runs backwards %llu time%s; its stamps are kept\n",
+                command, r->path, (unsigned long long)s->backwards, plural((double)s->backwards));
 }
 
 int cmd_export(int argc, char **argv)

@@ -2,6 +2,7 @@
 #include "host_sim/replay/log_report.h"
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/replay/decode_log.h"
 #include "host_sim/replay/decode_signals.h"
 #include "host_sim/report/html_scene.h"
@@ -151,8 +152,9 @@ static void put_beyond(struct log_report *p, const struct scene_app *s, const st
         if (!p->rows.n_beyond[k])
             continue;
         unit_tell(log_series_range(&s->app.scene, k), 3, g->unit, range);
-        html_words(&p->html, "%zu of %zu rows have no %s: it was beyond the bus's range of %s%s.",
-                   p->rows.n_beyond[k], p->rows.n, g->name, range,
+        html_words(&p->html, "%zu of %zu row%s %s no %s: it was beyond the bus's range of %s%s.",
+                   p->rows.n_beyond[k], p->rows.n, plural((double)p->rows.n),
+                   p->rows.n_beyond[k] == 1 ? "has" : "have", g->name, range,
                    t->sensor_faults ? ", or a fault of its sensor withheld it" : "");
     }
 }
@@ -166,12 +168,12 @@ static void put_words(struct log_report *p, const struct scene_app *s, const str
     }
     if (p->n_anew)
         html_words(h,
-                   "%s, %zu rows. Plant time begins anew %u time%s in them: the plant was started again, or "
+                   "%s, %zu row%s. Plant time begins anew %u time%s in them: the plant was started again, or "
                    "this is more than one log. The charts lay all of them over each other.",
-                   s->config.model->name, p->rows.n, p->n_anew, p->n_anew == 1 ? "" : "s");
+                   s->config.model->name, p->rows.n, plural((double)p->rows.n), p->n_anew, plural(p->n_anew));
     else
-        html_words(h, "%s, %.9g s of plant time in %zu rows.", s->config.model->name,
-                   p->rows.bins.last - p->first_s, p->rows.n);
+        html_words(h, "%s, %.9g s of plant time in %zu row%s.", s->config.model->name,
+                   p->rows.bins.last - p->first_s, p->rows.n, plural((double)p->rows.n));
     if (s->config.model->n_contacts)
         put_contacts(p, &s->app.scene, t);
     put_beyond(p, s, t);

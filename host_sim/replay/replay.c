@@ -8,6 +8,7 @@
 #include "host_sim/cli/options.h"
 #include "host_sim/scene/scene.h"
 #include "host_sim/cli/selftest.h"
+#include "host_sim/out/plural.h"
 #include "firmware/bus/diag.h"
 
 #include <math.h>
@@ -104,14 +105,18 @@ static int report(const struct again *g, int got)
         return options_failure(g->o->usage,
                                "nothing in the log is of this plant; see --base-id and --extended");
     if (g->difference)
-        return options_failure(g->o->usage, "%s; plant tick %llu, %llu messages were equal before%s",
+        return options_failure(g->o->usage, "%s; plant tick %llu, %llu message%s %s equal before%s",
                                g->difference, (unsigned long long)g->scene.app.plant.now.tick,
-                               (unsigned long long)r->compared,
+                               (unsigned long long)r->compared, plural((double)r->compared),
+                               r->compared == 1 ? "was" : "were",
                                g->o->n_words > 1 ? "" : "; if the recorded run had a SCENE, give it");
-    printf("equal: %llu frames, %llu commands, %llu messages compared, %llu reports on the machine excluded, "
-           "%llu lines of others passed over; hash %016llx\n",
-           (unsigned long long)g->frames, (unsigned long long)r->commands, (unsigned long long)r->compared,
-           (unsigned long long)r->excluded_lines, (unsigned long long)r->passed_over,
+    printf("equal: %llu frame%s, %llu command%s, %llu message%s compared, %llu report%s on the machine "
+           "excluded, "
+           "%llu line%s of others passed over; hash %016llx\n",
+           (unsigned long long)g->frames, plural((double)g->frames), (unsigned long long)r->commands,
+           plural((double)r->commands), (unsigned long long)r->compared, plural((double)r->compared),
+           (unsigned long long)r->excluded_lines, plural((double)r->excluded_lines),
+           (unsigned long long)r->passed_over, plural((double)r->passed_over),
            (unsigned long long)plant_hash(&g->scene.app.plant));
     if (r->log.on_bus)
         printf("taken on the bus: %u commands reached it while the plant was in a frame already and count to "

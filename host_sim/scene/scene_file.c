@@ -304,8 +304,13 @@ static bool check(struct reader *r, const void *(*of)(const struct scene *s, cha
     for (const struct line *l = r->line; l < r->line + r->n; l++)
         if (l->target == root || (!at && l->target == &r->scene.model))
             at = l;
-    if (at->header)
-        return scene_lines_wrong(r, at->number, "[%s]: %s", scene_section_name[at->section], reason);
+    if (at->header) {
+        const char *section = scene_section_name[at->section];
+        size_t n = strlen(section);
+        bool told = !strncmp(reason, section, n) && !strncmp(reason + n, ": ", 2);
+        return scene_lines_wrong(r, at->number, "[%s%s%.*s]: %s", section, at->input.n ? " " : "",
+                                 scene_text_shown(at->input), at->input.at, reason + (told ? n + 2 : 0));
+    }
     return scene_lines_wrong(r, at->number, "%.*s: %s", scene_text_shown(at->key), at->key.at, reason);
 }
 

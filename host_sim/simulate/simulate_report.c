@@ -1,6 +1,7 @@
 /* simulate_report.c - see simulate_report.h. */
 #include "firmware/plant/plant_report.h"
 #include "host_sim/commands.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/report/decimate.h"
 #include "host_sim/report/html.h"
 #include "host_sim/report/html_scene.h"
@@ -102,22 +103,24 @@ static void put_words(struct simulation *r, int status)
     struct simulate_report *p = r->report;
     struct html *h = &p->html;
     const char *s = r->paper ? "" : " s";
-    html_words(h, "%s by method %s, from 0 to %.9g%s in %zu rows.", r->model->name, r->method->name,
-               p->rows.last, s, p->rows.rows);
+    html_words(h, "%s by method %s, from 0 to %.9g%s in %zu row%s.", r->model->name, r->method->name,
+               p->rows.last, s, p->rows.rows, plural((double)p->rows.rows));
     if (status == STATUS_ESCAPED)
         html_words(h, "The motion escaped: the rows end before it.");
     else if (status)
         html_words(h, "The run did not come to its end; the rows end before it.");
     const struct plant *pl = &r->plant;
     if (pl->model && pl->counts.budget)
-        html_words(h, "In %u segments there were too many switches: they were run through to the end.",
-                   pl->counts.budget);
+        html_words(h, "In %u segment%s there were too many switches: the rest was run through to the end.",
+                   pl->counts.budget, plural(pl->counts.budget));
     if (pl->model && pl->counts.residual)
-        html_words(h, "%u switches were located with a residual above the bound.", pl->counts.residual);
+        html_words(h, "%u switch%s located with a residual above the bound.", pl->counts.residual,
+                   pl->counts.residual == 1 ? " was" : "es were");
     if (r->model->n_contacts && p->touchdowns + p->liftoffs == 0)
         html_words(h, "Contact did not change: it was %s all the time.", p->regime ? "closed" : "open");
     else if (r->model->n_contacts)
-        html_words(h, "Contact was made %u times and lost %u times.", p->touchdowns, p->liftoffs);
+        html_words(h, "Contact was made %u time%s and lost %u time%s.", p->touchdowns, plural(p->touchdowns),
+                   p->liftoffs, plural(p->liftoffs));
     if (p->touchdowns)
         html_words(h, "The hardest impact had a speed of %.6g%s.", p->hardest, r->paper ? " in SI" : " m/s");
 }
@@ -145,10 +148,11 @@ static void put_charts(struct simulation *r)
         1.0 / (drive > 0.5 * f0 ? drive : f0); /* a slower drive leaves the free motion as the fastest */
     bool joined = apart * fmax(drive, f0) <= 0.1;
     if (p->rows.per > 1)
-        html_words(&p->html,
-                   "Bands reach from the least to the greatest row within %.6g: %zu rows, or a period of the "
-                   "fastest motion.",
-                   fmax(apart * (double)p->rows.per, period), p->rows.per);
+        html_words(
+            &p->html,
+            "Bands reach from the least to the greatest row within %.6g: %zu row%s, or a period of the "
+            "fastest motion.",
+            fmax(apart * (double)p->rows.per, period), p->rows.per, plural((double)p->rows.per));
     else if (!joined)
         html_words(
             &p->html,

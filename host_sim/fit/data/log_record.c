@@ -7,6 +7,7 @@
 #include <string.h>
 #include "host_sim/fit/data/log_drives.h"
 #include "host_sim/listen/decode_rows.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/replay/plant_log.h"
 #include "host_sim/scene/scene.h"
 
@@ -246,8 +247,8 @@ static void tell(const struct options *o, const struct reading *g)
         fprintf(stderr, "contactplant %s: %s has no DRIVE_ECHO: its drive is taken to be STREAM alone\n",
                 command, r->path);
     if (g->beyond)
-        fprintf(stderr, "contactplant %s: %s: %llu values of %s beyond the bus's range are left out\n",
-                command, r->path, (unsigned long long)g->beyond, name);
+        fprintf(stderr, "contactplant %s: %s: %llu value%s of %s beyond the bus's range: left out\n", command,
+                r->path, (unsigned long long)g->beyond, plural((double)g->beyond), name);
     fprintf(stderr, "contactplant %s: %s: %d frames from %.6g s on, %d values of %s, driven by %s\n", command,
             r->path, r->n, (double)g->first_tick * g->drives.tick_s, g->values, name,
             g->app.config.model->input_signal[r->input].name);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include "host_sim/maps/basin/basin_cells.h"
 #include "host_sim/maps/basin/basin_rows.h"
+#include "host_sim/out/plural.h"
 
 static const enum chart_colour colour[] = {CHART_SKY,    CHART_RED,    CHART_BLUE, CHART_GREEN,
                                            CHART_ORANGE, CHART_PURPLE, CHART_GREY};
@@ -60,7 +61,7 @@ static void class_name(const struct basin_clusters *c, int k, char *name, size_t
                  basin_clusters_kind(&c->attractor[k].motion) == BASIN_CHAOTIC ? "chaotic" : "aperiodic",
                  share);
     else if (k == OTHERS)
-        snprintf(name, size, "%d others, %.3g %%", c->n - OWN, share);
+        snprintf(name, size, "%d other%s, %.3g %%", c->n - OWN, plural(c->n - OWN), share);
     else
         snprintf(name, size, "escaped, %.3g %%", share);
 }
@@ -69,11 +70,12 @@ static void class_name(const struct basin_clusters *c, int k, char *name, size_t
 
 static void put_words(struct html *h, const struct basin *b, const struct basin_clusters *c, int every)
 {
-    html_words(h, "%s by method %s, %d steps a drive period: %d starts lead to %d attractors.",
+    html_words(h, "%s by method %s, %d step%s a drive period: %d start%s lead%s to %d attractor%s.",
                b->plant.model->name, b->plant.series ? "batch_taylor" : b->plant.method->name, b->plant.steps,
-               c->total, c->n);
+               plural(b->plant.steps), c->total, plural(c->total), singular(c->total), c->n, plural(c->n));
     if (c->escaped + c->trouble)
-        html_words(h, "%d motions escaped, and %d were given up.", c->escaped, c->trouble);
+        html_words(h, "%d motion%s escaped, and %d %s given up.", c->escaped, plural(c->escaped), c->trouble,
+                   c->trouble == 1 ? "was" : "were");
     html_words(h, "The rows have the number %08x, which all that decides them gives.",
                (unsigned)jobs_run_number(b->m.identity));
     if (every > 1)
@@ -301,11 +303,12 @@ static void tell(void *context, const struct rows_table *t, FILE *f)
     const struct signal *s = &r->b->plant.model->output_signal[r->b->plant.observable];
     (void)t;
     fprintf(f,
-            "%d starts, %d attractors; period: in forcing periods; growth: of a small distance in one, "
+            "%d start%s, %d attractor%s; period: in forcing periods; growth: of a small distance in one, "
             "logarithm;\n"
             "open: share of time without contact; peak: of %s, %s\n"
             "attractor  starts    share    95 %% interval     period   growth     open  peak\n",
-            c->total, c->n, s->name, scenes_dimensionless(&r->b->m.scene) ? "1" : s->unit);
+            c->total, plural(c->total), c->n, plural(c->n), s->name,
+            scenes_dimensionless(&r->b->m.scene) ? "1" : s->unit);
     for (int i = 0; i < c->n; i++)
         print_attractor(f, r, i);
     if (c->escaped > 0) {

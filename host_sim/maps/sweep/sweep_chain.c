@@ -2,6 +2,7 @@
 #include "host_sim/maps/sweep/sweep_chain.h"
 #include "host_sim/maps/sweep/sweep_point.h"
 #include "host_sim/maps/sweep/sweep_step.h"
+#include "host_sim/out/plural.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -37,7 +38,7 @@ static void tell_points(const struct sweep *s, int job, int n, const char *kind,
     if (s->family.values.n)
         snprintf(family, sizeof family, ", %s = %.9g", s->family.column, range_value(&s->family.values, job));
     fprintf(stderr, "contactplant sweep: %s: %d point%s; %s between %s = %.9g and %.9g%s\n", kind, n,
-            n > 1 ? "s" : "", not_looked_for, s->range.column, from, to, family);
+            plural(n), not_looked_for, s->range.column, from, to, family);
 }
 
 static void tell_gap(const struct sweep *s, int job, int n, double from, double to)
@@ -166,7 +167,7 @@ static void tell_chance(const struct chain *c, const struct step_jump *j)
     fprintf(stderr,
             "contactplant sweep: by chance: the jump between %s = %.9g and %.9g; %d other motion%s can be "
             "met there\n",
-            c->s->range.column, j->from.value, j->to.value, c->n_others, c->n_others > 1 ? "s" : "");
+            c->s->range.column, j->from.value, j->to.value, c->n_others, plural(c->n_others));
 }
 
 /* The jumps of the step just taken, as rows, and what else they lead to. */

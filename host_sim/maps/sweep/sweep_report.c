@@ -6,6 +6,7 @@
 #include <string.h>
 #include "host_sim/cli/unit.h"
 #include "host_sim/maps/sweep/sweep_chain.h"
+#include "host_sim/out/plural.h"
 
 enum { COLOURS = 6 /* in words below, too */, JUMPS_TOLD = 12, JUMPS_DRAWN = 6, POINTS_AROUND = 6 };
 
@@ -45,7 +46,7 @@ static void say_settled(const struct sweep *s, char text[SWEEP_LABEL])
     if (s->settle < 0)
         snprintf(text, SWEEP_LABEL, "until the damping leaves 1e-4");
     else
-        snprintf(text, SWEEP_LABEL, "over %d periods", s->settle);
+        snprintf(text, SWEEP_LABEL, "over %d period%s", s->settle, plural(s->settle));
 }
 
 /* How many points did not settle. */
@@ -94,16 +95,17 @@ static void tell(void *context, const struct rows_table *t, FILE *f)
         jumps += is_jump(row, i);
         escaped += row[i].kind == SWEEP_ESCAPED;
     }
-    fprintf(f, "%s, %s from %s to %s in %d points, up and down\n", s->m.name, s->range.words,
+    fprintf(f, "%s, %s from %s to %s in %d point%s, up and down\n", s->m.name, s->range.words,
             maps_in_words(s->range.values.from, s->range.unit, a),
-            maps_in_words(s->range.values.to, s->range.unit, b), s->range.values.n);
+            maps_in_words(s->range.values.to, s->range.unit, b), s->range.values.n,
+            plural(s->range.values.n));
     if (largest >= 0)
         fprintf(f, "largest %s: %s at %s%s\n", name,
                 maps_in_words(row[largest].measured.amplitude[0], unit, a),
                 maps_in_words(row[largest].value, s->range.unit, b),
                 row[largest].kind == SWEEP_UNSETTLED ? ", which did not settle" : "");
     if (jumps)
-        fprintf(f, "%d %s located by bisection:\n", jumps, jumps == 1 ? "jump" : "jumps");
+        fprintf(f, "%d jump%s located by bisection:\n", jumps, plural(jumps));
     else
         fputs(unsettled ? "no jump was found where points settled\n" : "no jump was found\n", f);
     for (int i = 0, n = 0; i < t->n && n < JUMPS_TOLD; i++)
@@ -115,11 +117,11 @@ static void tell(void *context, const struct rows_table *t, FILE *f)
         fprintf(f, "  and %d more, in the rows jump_from and jump_to\n", jumps - JUMPS_TOLD);
     if (unsettled)
         fprintf(f,
-                "%d %s did not settle: give more --settle, or the motion is chaotic or beats; see "
+                "%d point%s did not settle: give more --settle, or the motion is chaotic or beats; see "
                 "contactplant basin and random\n",
-                unsettled, unsettled == 1 ? "point" : "points");
+                unsettled, plural(unsettled));
     if (escaped)
-        fprintf(f, "the motion escaped at %d points\n", escaped);
+        fprintf(f, "the motion escaped at %d point%s\n", escaped, plural(escaped));
 }
 
 /* ---- picture and page ----

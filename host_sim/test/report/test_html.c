@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include "host_sim/cli/trouble.h"
 #include "host_sim/cli/unit.h"
+#include "host_sim/out/plural.h"
 
 static const double around_s = 0.25; /* before and behind what decided a failure */
 
@@ -28,7 +29,7 @@ static void put_headline(struct html *h, const struct report_case *r, int n)
     char text[TROUBLE_TEXT];
     for (int i = 0; i < n; i++)
         good += r[i].worst->verdict == VERDICT_OK;
-    html_words(h, "%d of %d cases are ok.", good, n);
+    html_words(h, "%d of %d case%s %s ok.", good, n, plural(n), good == 1 ? "is" : "are");
     for (int i = 0; i < n; i++)
         if (trouble_list(r[i].worst->count, r[i].worst->faults, text))
             html_words(h, "%s: %s.", r[i].c->name, text);
