@@ -367,7 +367,7 @@ def test_levers():
     verdict("  --svg draws both", exists("found.svg") and "density" in open(os.path.join(directory, "found.svg")).read() and "nan" not in open(os.path.join(directory, "found.svg")).read(), "")
     r = run("fit", "lever.ini", "--curve", "curve.csv", "--hold", "stiffness=2 N/m")
     verdict("a force curve alone, with the stiffness held", r.returncode == 0 and off_lever(r.stdout) < 1.5 and table(r.stdout)["modulus"][1] < 0.03, told(r))
-    put("cone.csv", curve_text({**LEVER, "modulus": 1e8}, 20e-12, 3e-9, 5, power=2.0))
+    put("cone.csv", curve_text({**LEVER, "modulus": 1e8}, 5e-12, 3e-9, 5, power=2.0))
     r = run("fit", "lever.ini", "--curve", "cone.csv", "--hold", "stiffness=2 N/m")
     verdict("the force curve of a cone: told", "is not quite this plant" in r.stdout or r.returncode == 1, told(r))
 
@@ -487,6 +487,10 @@ def test_plan():
     check("  a shaft's curves lie about a mode of its supports", ends and min(abs(float(ends[1]) / 0.6 / f - 1) for f in modes) < 0.02, "%s, %s" % (r.stdout[:80], modes))
     rows = re.findall(r"^  (\S+ \S+)(?: and \S+ \S+)? +(\S+) % +\S+ % +(?:> )?(\S+) %", r.stdout, re.M)
     verdict("  all rows tell the supports, the largest drive a gap", len(rows) == 9 and all(float(row[1]) < 1 for row in rows) and float(rows[0][2]) >= 1000 and float(rows[-1][2]) < 2, told(r))
+    put("light.ini", open(os.path.join(directory, "rig.ini")).read().replace("188 N", "5 N"))
+    r = run("fit", "light.ini", "--plan")
+    rows = re.findall(r"^  \S+ \S+(?: and \S+ \S+)? +(\S+) % .* without (\d+) points", r.stdout, re.M)
+    verdict("  points that find no motion are left out of a row, and told", r.returncode == 0 and len(rows) == 9 and all(float(mass) < 1 and 0 < int(n) < 90 for mass, n in rows), told(r))
     for words in (("--plan", "--sweep", "small.csv"), ("--plan", "--out", "no.ini")):
         r = fit(*words)
         verdict("fit %s: refused" % " ".join(words), r.returncode == 2 and "--plan" in r.stderr and not exists("no.ini"), told(r))

@@ -23,12 +23,13 @@ static double attraction_of(const double *si, bool out)
     return si[out ? LEVER_HAMAKER_OUT : LEVER_HAMAKER] * si[LEVER_RADIUS] / 6.0;
 }
 
-/* d^3 - b d^2 + A/k = 0 for the gap d: Newton's method falls from b to the largest root. */
+/* d^3 - b d^2 + A/k = 0 for the gap d: Newton's method falls from b to the largest root. The last one is at
+ * the fold b = f, where d = 2/3 (f + sqrt(f (b - f))) to lowest order; below it the root's sign turns. */
 bool lever_law_outside(const double *si, bool out, double base_m, double *x)
 {
-    double share = attraction_of(si, out) / si[LEVER_K], d = base_m;
-    if (!(base_m > si[LEVER_A0]) || base_m * base_m * base_m < 6.75 * share) {
-        *x = base_m > si[LEVER_A0] ? -base_m / 3.0 : 0.0;
+    double share = attraction_of(si, out) / si[LEVER_K], d = base_m, fold = cbrt(6.75 * share);
+    if (!(base_m > si[LEVER_A0]) || base_m < fold) {
+        *x = 2.0 / 3.0 * (fold - sqrt(fold * fmax(fold - base_m, 0.0))) - base_m;
         return false;
     }
     for (int i = 0; i < STEPS; i++) {
@@ -41,13 +42,13 @@ bool lever_law_outside(const double *si, bool out, double base_m, double *x)
     return d > si[LEVER_A0];
 }
 
-/* h s^3 + k s^2 = k (a0 - b) + F_ad for the root s of the depth. */
+/* h s^3 + k s^2 = k (a0 - b) + F_ad for the root s of the depth; below 0 without h. */
 bool lever_law_contact(const double *si, bool out, double base_m, double *x)
 {
     double k = si[LEVER_K], a0 = si[LEVER_A0], h = 4.0 / 3.0 * si[LEVER_MODULUS] * sqrt(si[LEVER_RADIUS]);
     double load = k * (a0 - base_m) + attraction_of(si, out) / (a0 * a0);
     if (!(load >= 0.0)) {
-        *x = a0 - base_m;
+        *x = a0 - load / k - base_m;
         return false;
     }
     double s = fmin(sqrt(load / k), cbrt(load / h));

@@ -11,7 +11,7 @@
 double lever_law_density(const double *si, double white, double frequency_Hz);
 
 /* The deflection x in m with the undeflected tip at this height over the sample; out: on the way out. False:
- * the lever has no such rest, and *x is that of the last one. */
+ * the lever has no such rest, and *x goes on from the last one, so that a fit finds back to it. */
 bool lever_law_outside(const double *si, bool out, double base_m, double *x);
 bool lever_law_contact(const double *si, bool out, double base_m, double *x);
 
