@@ -302,12 +302,6 @@ static const struct method_books *books(const double *scratch)
     return now->books ? now->books(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
 }
 
-static const struct method_switch *switched(const double *scratch)
-{
-    const struct method *now = auto_now(scratch);
-    return now->switched ? now->switched(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
-}
-
 const struct method auto_method = {
     .name = "auto",
     .title = "exact, rk4, taylor or adams, the cheapest that keeps the tolerance, by model, step and drives; "
@@ -319,5 +313,4 @@ const struct method auto_method = {
     .bind = bind,
     .bind_run = bind_run,
     .books = books,
-    .switched = switched,
 };

@@ -80,31 +80,51 @@ struct phasor {
  * tick: its begin has the inputs of its middle. */
 #if TICK_LANES > 1
 enum {
-    BLOCK_TICKS = 8,   /* a multiple of the next */
-    BLOCK_TOGETHER = 2 /* ticks that are turned, moved and booked in one go */
+    BLOCK_TICKS = 8,    /* a multiple of the next */
+    BLOCK_TOGETHER = 2, /* ticks that are turned, moved and booked in one go */
+    RUN_SWITCHES = BLOCK_TOGETHER * MODEL_CONTACTS
 };
 #else
 enum {
     BLOCK_TICKS = 8,
-    BLOCK_TOGETHER = 1
+    BLOCK_TOGETHER = 1,
+    RUN_SWITCHES = 1
 }; /* a block of two takes 2 KB less of stack, and a third more time */
 #endif
+
+/* A contact switch in a run. */
+struct method_switch {
+    uint32_t tick; /* its number in the run */
+    int contact;
+    double done;     /* model time from the begin of the tick, above 0 */
+    double force;    /* by a method with books: the largest contact force before it; they have that behind */
+    bool moved;      /* inputs move the gap */
+    const double *x; /* the state there; it stays until the next run */
+};
+
+/* Those of a run, one after the other. */
+struct method_switches {
+    uint32_t n;
+    struct method_switch at[RUN_SWITCHES];
+};
+
 struct method_block {
     double length;    /* model time of each */
     unsigned active;  /* as in struct segment; the inputs of the others are 0 */
-    unsigned regime;  /* in all of them */
+    unsigned regime;  /* at the begin of the next one that is moved */
     unsigned jumps;   /* bit k: an input jumps, or is told anew, when tick k begins */
     uint64_t instant; /* as in struct segment */
     double x[1 + BLOCK_TICKS][MODEL_STATES];
     struct input at[1 + 2 * BLOCK_TICKS][MODEL_INPUTS];
     struct phasor phasor[1 + BLOCK_TICKS]
                         [MODEL_INPUTS]; /* where the inputs stand at the begin and at the ends */
+    struct method_switches *switches;   /* none, when a run begins */
 };
 
 /* Several steps: up to n ticks of the block b, from the one on whose state is x[0] and whose inputs are at[0]
- * to at[2]. It stops before a tick in which a contact may switch, or which the state leaves. Or it stops
- * behind a tick in which a contact did, and has it in `switched`. Returns the ticks done, which have the bits
- * of single steps. */
+ * to at[2]. It stops before a tick which the state leaves, or in which a contact may switch. Or it notes the
+ * switches in b->switches, as long as there is room for those of another tick. Returns the ticks done, which
+ * have the bits of single steps. */
 typedef uint32_t run_function(const struct model *m, const double *p, double *scratch,
                               const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
                               double (*x)[MODEL_STATES], uint32_t n);
@@ -123,14 +143,6 @@ struct method_books {
     double damping;            /* lost in dampers and by changes of branch, >= 0 */
     double heat;               /* brought in by thermal forces */
     double force;              /* the largest contact force; of a step of length 0: that of the step before */
-};
-
-/* The only switch in the last tick of a run, of contact 0. */
-struct method_switch {
-    double done;            /* model time from the begin of the tick, inside it */
-    double force;           /* the largest contact force before it; the books have that behind it */
-    bool moved;             /* inputs move the gap */
-    double x[MODEL_STATES]; /* the state there */
 };
 
 struct method {
@@ -158,8 +170,6 @@ struct method {
     /* NULL, or the books of the last step, or of each tick of the last run; the ledger takes them as they
      * are. It may give NULL, too, after `prepare`: then the ledger has its own rule. */
     const struct method_books *(*books)(const double *scratch);
-    /* NULL, or the switch in the last tick of the last run; it gives NULL where there was none. */
-    const struct method_switch *(*switched)(const double *scratch);
 };
 
 extern const struct method rk4;

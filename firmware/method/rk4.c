@@ -120,16 +120,28 @@ static step_function *bind(const struct model *m)
 /* Several ticks in one call need a second copy of each row. A board without vector registers has no room for
  * it; there all ticks are single steps. */
 #if TICK_LANES > 1
-/* A contact is not as in `regime` at the end. */
-ALWAYS_INLINE bool switched(struct inlined m, const double *p, const struct input *u, unsigned regime,
-                            const double *x)
+/* The contacts that are not as in `regime` at the end. */
+ALWAYS_INLINE unsigned switched(struct inlined m, const double *p, const struct input *u, unsigned regime,
+                                const double *x)
 {
     struct input gap[MODEL_CONTACTS];
-    bool any = false;
+    unsigned closed = 0;
     m.gap(p, u, x, gap);
     for (int i = 0; i < m.n_contacts; i++)
-        any |= (gap[i].value < 0.0) != (((regime >> i) & 1u) != 0);
-    return any;
+        closed |= (gap[i].value < 0.0 ? 1u : 0u) << i;
+    return closed ^ regime;
+}
+
+/* Contacts that switch at the end of a tick of length h. False: there is no room for those of another tick.
+ */
+NEVER_INLINE bool note_switches(struct method_switches *s, uint32_t tick, unsigned which, double h,
+                                const double *x)
+{
+    for (int i = 0; which != 0; i++, which >>= 1) {
+        if (which & 1u)
+            s->at[s->n++] = (struct method_switch){tick, i, h, 0.0, true, x};
+    }
+    return s->n <= RUN_SWITCHES - MODEL_CONTACTS;
 }
 
 /* The state stays in registers from tick to tick. */
@@ -145,11 +157,15 @@ ALWAYS_INLINE uint32_t run(struct inlined m, bool located, const double *p, cons
         advance(m, p, h, at[first], at[1], at[2], x, x1);
         if (!inside(x1, m.n, METHOD_STATE_LIMIT))
             return k;
-        if (located ? suspected(m, p, h, at[first], at[2], regime, x, x1) : switched(m, p, at[2], regime, x1))
+        if (located && suspected(m, p, h, at[first], at[2], regime, x, x1))
             return k;
+        unsigned which = located ? 0 : switched(m, p, at[2], regime, x1);
         to++;
         for (int i = 0; i < m.n; i++)
             to[0][i] = x[i] = x1[i];
+        regime ^= which;
+        if (which != 0 && !note_switches(b->switches, k, which, h, to[0]))
+            return k + 1;
     }
     return n;
 }
@@ -280,7 +296,7 @@ const struct method rk4 = {
 
 /* ---- rk4_unlocated: through its contact switches ----
  *
- * A switch is reported at the end of its step.
+ * A switch is told at the end of its step, and ticks go on through it in blocks.
  * The trajectory is that of the steps of rk4, to the last bit. The search for the instant, the cut of the
  * step there and their costs are left out. Order 4 in smooth motion; 2.5 across a Hertzian contact as with
  * rk4, with an error a few times larger; 2 across a gap spring, where rk4 keeps 4 (docs/why/accuracy.md). A

@@ -168,23 +168,14 @@ static struct booked through_pointers(const struct model *m)
     return (struct booked){m->n_states, m->n_inputs, m->flow, NULL};
 }
 
-NEVER_INLINE double one_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
-                                const double *x0, const double *x1)
+static double piece_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                            const double *x0, const double *x1)
 {
     return one_piece(through_pointers(l->model), l, p, at, x0, x1);
 }
 
-static double piece_general(struct ledger *l, const double *p, const struct segment *e, const double *x0,
-                            const double *x1)
-{
-    return one_general(l, p, &e->at[1], x0, x1);
-}
-
 #if TICK_LANES > 1
-typedef double one_function(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
-                            const double *x0, const double *x1);
-
-ALWAYS_INLINE double one_by_one(one_function *one, struct ledger *l, const double *p,
+ALWAYS_INLINE double one_by_one(ledger_function *one, struct ledger *l, const double *p,
                                 const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
                                 uint32_t n, bool anew)
 {
@@ -197,17 +188,17 @@ ALWAYS_INLINE double one_by_one(one_function *one, struct ledger *l, const doubl
     return force;
 }
 
-static double ticks_general(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
-                            const double (*x)[MODEL_STATES], uint32_t n, bool anew)
+static double ticks_alone(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                          const double (*x)[MODEL_STATES], uint32_t n, bool anew)
 {
-    return one_by_one(one_general, l, p, at, x, n, anew);
+    return one_by_one(l->piece, l, p, at, x, n, anew);
 }
 
 typedef void begins_function(const double *p, const struct input (*at)[MODEL_INPUTS], const double *x0,
                              const double *x1, struct flow_lanes *begin);
 
-/* Ticks of a block. A last one alone is rare. */
-ALWAYS_INLINE double ticks(struct booked m, one_function *one, begins_function *begins, struct ledger *l,
+/* Ticks of a block. One alone is rare. */
+ALWAYS_INLINE double ticks(struct booked m, ledger_function *one, begins_function *begins, struct ledger *l,
                            const double *p, const struct input (*at)[MODEL_INPUTS],
                            const double (*x)[MODEL_STATES], uint32_t n, bool anew)
 {
@@ -215,7 +206,7 @@ ALWAYS_INLINE double ticks(struct booked m, one_function *one, begins_function *
     if (!m.lanes)
         return one_by_one(one, l, p, at, x, n, anew);
     if (n != TICK_LANES)
-        return ticks_general(l, p, at, x, n, anew);
+        return ticks_alone(l, p, at, x, n, anew);
     if (anew)
         begins(p, at + 1, x[0], x[1], &found);
     return side_by_side(m, l, p, at + 1, x[0], x[1], anew ? &found : NULL);
@@ -227,7 +218,7 @@ INSTANCES(DECLARE)
 
 #define JUMP(row, when)                                                                                      \
     if (when)                                                                                                \
-        return piece_##row(l, p, e, x0, x1);
+        return piece_##row(l, p, at, x0, x1);
 
 #define ONE(name, for_models, jumps, states, contacts, n_inputs, rhs, gap, ...)                              \
     ALWAYS_INLINE double one_##name(struct ledger *l, const double *p,                                       \
@@ -241,13 +232,14 @@ INSTANCES(ONE)
 
 /* One function per row. A jump to another one costs no more than that: the arguments stay in their places. */
 #define PIECE(name, for_models, jumps, ...)                                                                  \
-    CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p, const struct segment *e,     \
-                                             const double *x0, const double *x1)                             \
+    CALLED_FROM_ANYWHERE double piece_##name(struct ledger *l, const double *p,                              \
+                                             const struct input(*at)[MODEL_INPUTS], const double *x0,        \
+                                             const double *x1)                                               \
     {                                                                                                        \
-        unsigned active = e->active;                                                                         \
+        unsigned active = l->active;                                                                         \
         (void)active;                                                                                        \
         jumps;                                                                                               \
-        return one_##name(l, p, &e->at[1], x0, x1);                                                          \
+        return one_##name(l, p, at, x0, x1);                                                                 \
     }
 INSTANCES(PIECE)
 
@@ -286,7 +278,7 @@ ledger_ticks_function *ledger_bind_ticks(const struct model *m)
     if (for_models)                                                                                          \
         return ticks_##name;
     INSTANCES(BIND_TICKS)
-    return ticks_general;
+    return ticks_alone;
 }
 #endif
 

@@ -31,8 +31,9 @@ struct ledger_rule {
 };
 
 struct ledger;
-typedef double ledger_function(struct ledger *l, const double *p, const struct segment *e, const double *x0,
-                               const double *x1);
+/* Behind ledger_begin: books one piece with its inputs at[0] in the middle and at[1] at its end. */
+typedef double ledger_function(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                               const double *x0, const double *x1);
 /* Behind ledger_begin: books n ticks of a block, 1 or BLOCK_TOGETHER, from the one on whose inputs are at[0]
  * to at[2] and whose states are x[0] and x[1]. Returns the largest contact force at their ends and middles.
  * anew: an input may jump before any of them. Inputs hold in each, and the flow at its begin is found anew.
@@ -90,7 +91,7 @@ static inline double ledger_piece(struct ledger *l, const double *p, const struc
                                   const double *x0, const double *x1)
 {
     ledger_begin(l, p, e, e->at[0], x0);
-    return l->piece(l, p, e, x0, x1);
+    return l->piece(l, p, &e->at[1], x0, x1);
 }
 
 /* Books one piece by the energies that the method itself reports. Returns the largest contact force in it,

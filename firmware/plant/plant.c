@@ -444,10 +444,11 @@ uint32_t quiet_begin(struct plant *pl, uint32_t n, const struct samples *held, s
 {
     struct segment *e = &pl->segment;
     struct method_block *b = &q->b;
-    q->turning = q->sloping = q->done = q->booked = q->filled = 0;
+    q->turning = q->sloping = q->done = q->booked = q->filled = q->seen = 0;
     q->held = held;
     q->origin = q->passed = pl->now.tick;
-    q->switched = NULL;
+    q->switches.n = q->told = 0;
+    q->b.switches = &q->switches;
     q->run = pl->bind_run ? pl->bind_run(pl->model, pl->scratch) : NULL;
 #if TICK_LANES > 1
     q->book = ledger_bind_ticks(pl->model);
@@ -628,7 +629,7 @@ ALWAYS_INLINE uint32_t move_ticks(struct plant *pl, struct quiet *q, struct tick
         quiet_climb(pl, q, t, asked);
     done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, asked);
     pl->segment.instant += done * TICK_FRACTIONS;
-    while (done < asked && step_suspect(pl, q, ticks_after(t, done)))
+    while (done < asked && q->switches.n == 0 && step_suspect(pl, q, ticks_after(t, done)))
         done++;
     return done;
 }
@@ -651,77 +652,6 @@ bool quiet_step(struct plant *pl, struct quiet *q)
     book_ticks(pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
     q->booked = q->done;
     return good;
-}
-
-/* Up to n ticks from q->done on, and the books of those before. False if one of them, behind q->done, is not
- * a good one to its end. */
-static bool run_block(struct plant *pl, struct quiet *q, uint32_t n)
-{
-    struct ticks t = ticks_from(&q->b, q->done);
-    uint32_t to = q->done + n, asked, moved;
-    do {
-        asked = to - q->done < BLOCK_TOGETHER ? to - q->done : BLOCK_TOGETHER;
-        moved = move_ticks(pl, q, t, asked);
-        if (q->done > 0)
-            book_ticks(pl, q, (struct ticks){t.x - BLOCK_TOGETHER, t.at - 2 * BLOCK_TOGETHER, NULL},
-                       BLOCK_TOGETHER);
-        q->booked = q->done;
-        q->done += moved;
-        t = ticks_after(t, BLOCK_TOGETHER);
-    } while (moved == BLOCK_TOGETHER && q->done < to);
-    return moved == asked;
-}
-
-/* As run_block, by a method that keeps books of its own: nothing has to follow behind. */
-NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
-{
-    struct ticks t = ticks_from(&q->b, q->done);
-    unsigned drives = q->turning;
-    for (int i = 0; drives != 0; i++, drives >>= 1) {
-        const struct drive d = pl->drive[i]; /* a copy: registers hold it */
-        const struct wave w = pl->segment.wave[i];
-        if (drives & 1u)
-            drive_turn_ends(&d, &w, &t.at[0][i], &t.phasor[0][i], n);
-    }
-    if (q->sloping)
-        quiet_climb(pl, q, t, n);
-    uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
-    pl->segment.instant += done * TICK_FRACTIONS;
-    q->switched = pl->method->switched ? pl->method->switched(pl->scratch) : NULL;
-    uint32_t plain = q->switched ? done - 1 : done;
-    const struct method_books *b = pl->method->books(pl->scratch);
-    q->books = &b[plain];
-    if (pl->books != BOOKS_NONE)
-        rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, plain));
-    q->done += plain;
-    if (done == n || q->switched)
-        return true;
-    if (!step_suspect(pl, q, ticks_after(t, done)))
-        return false;
-    q->done++;
-    return true;
-}
-
-/* The block is full: its end moves to its begin, and with lanes the ticks that may not be booked. */
-static void move_block(struct quiet *q, int n_states, bool booked)
-{
-    enum { KEPT = TICK_LANES > 1 ? BLOCK_TOGETHER : 0, FROM = BLOCK_TICKS - KEPT };
-    struct method_block *b = &q->b;
-    unsigned drives = q->moving;
-    for (int k = booked ? KEPT : 0; k <= KEPT; k++)
-        copy_state(b->x[k], b->x[FROM + k], n_states);
-    for (int i = 0; drives != 0; i++, drives >>= 1) {
-        if (!(drives & 1u))
-            continue;
-        UNROLL
-        for (int k = KEPT > 0 ? 1 : 0; k <= 2 * KEPT; k++)
-            b->at[k][i] = b->at[2 * FROM + k][i];
-        b->phasor[KEPT][i] = b->phasor[BLOCK_TICKS][i];
-    }
-    b->jumps >>= FROM;
-    b->instant += FROM * TICK_FRACTIONS;
-    q->origin += FROM;
-    q->done = q->filled = KEPT;
 }
 
 /* Time, inputs and phasors stand at the end of the block's tick k. */
@@ -776,6 +706,19 @@ static void pass_ticks(struct plant *pl, struct quiet *q)
     pass_times(pl, ticks);
 }
 
+void quiet_look(struct plant *pl, const struct quiet *q, uint32_t from, plant_look *look, void *who)
+{
+    int n = pl->model->n_states;
+    double x[MODEL_STATES];
+    copy_state(x, pl->x, n);
+    for (uint32_t k = from + 1; k <= q->done; k++) {
+        show_tick(pl, q, k);
+        copy_state(pl->x, q->b.x[k], n);
+        look(who, pl);
+    }
+    copy_state(pl->x, x, n); /* a step that was no good may have gone on */
+}
+
 /* The inputs in the tick behind those that are done, `done` after its begin. */
 static void show_inputs(struct plant *pl, const struct quiet *q, double done)
 {
@@ -783,35 +726,172 @@ static void show_inputs(struct plant *pl, const struct quiet *q, double done)
         struct wave *w = &pl->segment.wave[i];
         if (!((q->b.active >> i) & 1u))
             continue;
+        if (done == pl->h) {
+            pl->segment.at[0][i] = q->b.at[2 * q->done + 2][i];
+            continue;
+        }
         w->cosine = q->b.phasor[q->done][i].cosine;
         w->sine = q->b.phasor[q->done][i].sine;
         wave_at(w, done, &pl->segment.at[0][i]);
     }
 }
 
-/* The tick behind those that are done, in which a contact switches on the way: as integrate_rest does it. */
+/* The tick behind those that are done, in which a contact switches: as integrate_rest does it. */
 NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
 {
-    const struct method_switch *w = q->switched;
-    const struct crossing c = {w->done, 0, 0, 0.0};
-    double rest = pl->h - w->done;
+    const struct method_switches *s = &q->switches;
+    const uint32_t tick = s->at[q->told].tick;
+    uint32_t pieces = 1;
+    double begin = 0.0;
     pass_ticks(pl, q);
     pass_drives(pl, q, 1);
     pl->now.tick = q->passed++;
-    copy_state(pl->x, w->x, pl->model->n_states);
-    if (w->moved)
-        show_inputs(pl, q, w->done);
-    rise_to(&pl->peak_force, w->force);
-    pass_time(pl, w->done);
-    take_switch(pl, &c, w->done * pl->ticks_per_time);
-    pass_time(pl, rest);
-    if (pl->books != BOOKS_NONE)
+    for (; q->told < s->n && s->at[q->told].tick == tick; q->told++, pieces++) {
+        const struct method_switch *w = &s->at[q->told];
+        const struct crossing c = {w->done, w->contact, 0, 0.0};
+        copy_state(pl->x, w->x, pl->model->n_states);
+        if (w->moved)
+            show_inputs(pl, q, w->done);
+        rise_to(&pl->peak_force, w->force);
+        pass_time(pl, w->done - begin);
+        take_switch(pl, &c, w->done * pl->ticks_per_time);
+        begin = w->done;
+    }
+    pass_time(pl, pl->h - begin);
+    if (pl->books == BOOKS_OF_METHOD)
         rise_to(&pl->peak_force, ledger_take(&pl->ledger, q->books));
-    if (pl->counts.pieces_max < 2)
-        pl->counts.pieces_max = 2;
+    if (pl->counts.pieces_max < pieces)
+        pl->counts.pieces_max = pieces;
     q->b.regime = pl->regime;
-    q->switched = NULL;
     q->done++;
+}
+
+/* The ticks that are done, as far as they are unseen. */
+static void look_at_done(struct plant *pl, struct quiet *q)
+{
+    if (q->look)
+        quiet_look(pl, q, q->seen, q->look, q->who);
+    q->seen = q->done;
+}
+
+/* n ticks that the method has booked; none has a switch. */
+static void take_books(struct plant *pl, const struct quiet *q, const struct method_books *b, uint32_t n)
+{
+    if (pl->books != BOOKS_NONE)
+        rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, n));
+}
+
+/* Ticks of the last run up to the last one with a switch; the run began with tick `from` of the block. books:
+ * NULL, or those of the method, one each. A tick with a switch ends the books before it, for a peak force is
+ * that of one contact. */
+NEVER_INLINE void pass_switches(struct plant *pl, struct quiet *q, uint32_t from,
+                                const struct method_books *books)
+{
+    while (q->told < q->switches.n) {
+        uint32_t last = from + q->switches.at[q->told].tick;
+        if (books) {
+            take_books(pl, q, &books[q->done - from], last - q->done);
+            q->books = &books[last - from];
+        } else {
+            book_ticks(pl, q, ticks_from(&q->b, q->booked), last + 1 - q->booked);
+        }
+        q->done = last;
+        look_at_done(pl, q);
+        pass_switch(pl, q);
+        q->booked = q->done;
+        look_at_done(pl, q);
+    }
+    q->switches.n = q->told = 0;
+}
+
+/* The first `moved` ticks of a pair of `asked` ones, with switches at their ends; and the next one. Returns
+ * those that are good to their ends. */
+NEVER_INLINE uint32_t end_pair(struct plant *pl, struct quiet *q, struct ticks t, uint32_t moved,
+                               uint32_t asked)
+{
+    uint32_t from = q->done;
+    pass_switches(pl, q, from, NULL);
+    while (moved < asked && step_suspect(pl, q, ticks_after(t, moved)))
+        moved++;
+    q->done = from + moved;
+    book_ticks(pl, q, ticks_from(&q->b, q->booked), q->done - q->booked);
+    q->booked = q->done;
+    return moved;
+}
+
+/* Up to n ticks from q->done on, and the books of those before. False if one of them, behind q->done, is not
+ * a good one to its end. */
+static bool run_block(struct plant *pl, struct quiet *q, uint32_t n)
+{
+    struct ticks t = ticks_from(&q->b, q->done);
+    uint32_t to = q->done + n, asked, moved;
+    do {
+        asked = to - q->done < BLOCK_TOGETHER ? to - q->done : BLOCK_TOGETHER;
+        moved = move_ticks(pl, q, t, asked);
+        if (q->booked < q->done)
+            book_ticks(pl, q, (struct ticks){t.x - BLOCK_TOGETHER, t.at - 2 * BLOCK_TOGETHER, NULL},
+                       BLOCK_TOGETHER);
+        q->booked = q->done;
+        if (TICK_LANES > 1 && q->switches.n > 0) /* without lanes, methods with books alone have any */
+            moved = end_pair(pl, q, t, moved, asked);
+        else
+            q->done += moved;
+        t = ticks_after(t, BLOCK_TOGETHER);
+    } while (moved == BLOCK_TOGETHER && q->done < to);
+    return moved == asked;
+}
+
+/* As run_block, by a method that keeps books of its own: nothing has to follow behind. */
+NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
+{
+    struct ticks t = ticks_from(&q->b, q->done);
+    unsigned drives = q->turning;
+    uint32_t from = q->done;
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        const struct drive d = pl->drive[i]; /* a copy: registers hold it */
+        const struct wave w = pl->segment.wave[i];
+        if (drives & 1u)
+            drive_turn_ends(&d, &w, &t.at[0][i], &t.phasor[0][i], n);
+    }
+    if (q->sloping)
+        quiet_climb(pl, q, t, n);
+    uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
+    pl->segment.instant += done * TICK_FRACTIONS;
+    const struct method_books *b = pl->method->books(pl->scratch);
+    bool good = done == n || q->switches.n == RUN_SWITCHES;
+    if (q->switches.n > 0)
+        pass_switches(pl, q, from, b);
+    take_books(pl, q, &b[q->done - from], from + done - q->done);
+    q->done = from + done;
+    if (!good) {
+        good = step_suspect(pl, q, ticks_after(t, done));
+        q->done += good;
+    }
+    q->booked = q->done;
+    return good;
+}
+
+/* The block is full: its end moves to its begin, and with lanes the ticks that may not be booked. */
+static void move_block(struct quiet *q, int n_states, bool booked)
+{
+    enum { KEPT = TICK_LANES > 1 ? BLOCK_TOGETHER : 0, FROM = BLOCK_TICKS - KEPT };
+    struct method_block *b = &q->b;
+    unsigned drives = q->moving;
+    for (int k = booked ? KEPT : 0; k <= KEPT; k++)
+        copy_state(b->x[k], b->x[FROM + k], n_states);
+    for (int i = 0; drives != 0; i++, drives >>= 1) {
+        if (!(drives & 1u))
+            continue;
+        UNROLL
+        for (int k = KEPT > 0 ? 1 : 0; k <= 2 * KEPT; k++)
+            b->at[k][i] = b->at[2 * FROM + k][i];
+        b->phasor[KEPT][i] = b->phasor[BLOCK_TICKS][i];
+    }
+    b->jumps >>= FROM;
+    b->instant += FROM * TICK_FRACTIONS;
+    q->origin += FROM;
+    q->booked = q->booked > FROM ? q->booked - FROM : 0;
+    q->done = q->filled = q->seen = KEPT;
 }
 
 /* The tick behind those that are done, in which a contact switches or that cannot be taken. */
@@ -830,19 +910,6 @@ NEVER_INLINE bool end_quiet(struct plant *pl, struct quiet *q)
     }
     pl->counts.not_finite++;
     return false;
-}
-
-void quiet_look(struct plant *pl, const struct quiet *q, uint32_t from, plant_look *look, void *who)
-{
-    int n = pl->model->n_states;
-    double x[MODEL_STATES];
-    copy_state(x, pl->x, n);
-    for (uint32_t k = from + 1; k <= q->done; k++) {
-        show_tick(pl, q, k);
-        copy_state(pl->x, q->b.x[k], n);
-        look(who, pl);
-    }
-    copy_state(pl->x, x, n); /* a step that was no good may have gone on */
 }
 
 ALWAYS_INLINE bool stop(struct plant *pl, struct quiet *q, bool good, plant_look *look, void *who)
@@ -877,6 +944,8 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *he
     struct quiet q;
     bool good = true;
     n = quiet_begin(pl, n, held, &q);
+    q.look = several ? NULL : look;
+    q.who = who;
     bool booked = q.run && plant_find_books(pl);
     for (uint32_t moved = 0; good && n > 0; n -= moved) {
         if (q.done == BLOCK_TICKS)
@@ -889,14 +958,7 @@ ALWAYS_INLINE bool run_on(struct plant *pl, uint32_t n, const struct samples *he
         moved = q.done - from;
         if (several && moved > 0)
             several(who, pl, &q.b, from, moved);
-        else if (look)
-            quiet_look(pl, &q, from, look, who);
-        if (booked && q.switched) {
-            pass_switch(pl, &q);
-            moved++;
-            if (look)
-                quiet_look(pl, &q, q.done - 1, look, who);
-        }
+        look_at_done(pl, &q);
     }
     return stop(pl, &q, good, look, who);
 }

@@ -18,17 +18,21 @@ struct samples {
  * not stand between one step and the next. */
 struct quiet {
     struct method_block b;
-    unsigned turning;                     /* bit i: drive i turns; the others that sound stand */
-    unsigned sloping;                     /* bit i: drive i has a sample on a slope */
-    unsigned moving;                      /* all these, and the input that is held */
-    const struct samples *held;           /* NULL: nothing is */
-    uint32_t filled;                      /* ticks of the block that have their sample */
-    uint64_t origin;                      /* number of the block's first tick */
-    uint32_t done, booked;                /* its ticks that are moved, and that the ledger has */
-    uint64_t passed;                      /* up to this tick drives and times have gone on */
-    const struct method_switch *switched; /* in the tick behind `done`; NULL: none */
-    const struct method_books *books;     /* its books */
-    run_function *run;                    /* NULL: all ticks by `step` */
+    unsigned turning;                 /* bit i: drive i turns; the others that sound stand */
+    unsigned sloping;                 /* bit i: drive i has a sample on a slope */
+    unsigned moving;                  /* all these, and the input that is held */
+    const struct samples *held;       /* NULL: nothing is */
+    uint32_t filled;                  /* ticks of the block that have their sample */
+    uint64_t origin;                  /* number of the block's first tick */
+    uint32_t done, booked;            /* its ticks that are moved, and that the ledger has */
+    uint64_t passed;                  /* up to this tick drives and times have gone on */
+    struct method_switches switches;  /* in the last run, */
+    uint32_t told;                    /* and how many of them the plant has told */
+    const struct method_books *books; /* by a method with books: those of the tick with a switch */
+    plant_look *look;                 /* NULL, or called at the end of each tick, */
+    void *who;
+    uint32_t seen;     /* the last one for which it was */
+    run_function *run; /* NULL: all ticks by `step` */
 #if TICK_LANES > 1
     ledger_ticks_function *book;
 #endif

@@ -453,7 +453,9 @@ struct turn {
     adams_pair from, to, without;
     double begin, end, stiffness; /* the contact's force at its ends; 1 and the modulation at its end */
     unsigned regime;
+    uint32_t tick;
     const struct phasor *phasor; /* at its begin */
+    struct method_switches *switches;
 };
 
 /* The state at the switch, `done` behind the begin. */
@@ -474,6 +476,7 @@ static void state_at_switch(const struct adams *s, const struct phasor *phasor, 
 /* Its forces and its switch. False where it is for a single step. */
 NEVER_INLINE bool take_turn(struct adams *s, struct turn *t, struct method_books *b)
 {
+    struct method_switches *known = t->switches;
     adams_pair from = t->from;
     double h = s->h;
     if (!inside(t->to, METHOD_STATE_LIMIT))
@@ -488,11 +491,11 @@ NEVER_INLINE bool take_turn(struct adams *s, struct turn *t, struct method_books
             return false;
         double begin = fabs(s->force_unit * t->begin);
         double most = peak_force(s, from, at, done, t->stiffness, 0.0);
-        s->has_switched = true;
-        s->switched.done = done;
-        s->switched.moved = s->kind == ADAMS_SHIFTED;
-        s->switched.force = begin > most ? begin : most;
-        state_at_switch(s, t->phasor, done, at, s->switched.x);
+        double *x = s->at_switch[known->n];
+        state_at_switch(s, t->phasor, done, at, x);
+        known->at[known->n++] = (struct method_switch){
+            t->tick, 0, done, begin > most ? begin : most, s->kind == ADAMS_SHIFTED, x};
+        t->regime ^= 1u;
         from = at;
         h -= done;
     }
@@ -529,9 +532,9 @@ ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams
 }
 
 /* The first of n ticks has the force at its begin, too, as a single step has. */
-static void count_begin(struct adams *s, uint32_t n, double force)
+static void count_begin(struct adams *s, const struct method_block *b, uint32_t n, double force)
 {
-    bool before_switch = n == 1 && s->has_switched;
+    bool before_switch = b->switches->n > 0 && b->switches->at[0].tick == 0;
     if (n > 0 && !before_switch && force > s->books[0].force)
         s->books[0].force = force;
 }
@@ -544,11 +547,13 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     const unsigned n_before = (unsigned)(at - b->at) / 2, jumps = b->jumps >> n_before;
     const struct phasor *turn = &b->phasor[n_before][first];
     const struct input *end = &at[2][first];
-    const double side = b->regime & 1u ? 1.0 : -1.0, h = s->h;
+    const double h = s->h;
+    unsigned regime = b->regime;
+    double side = regime & 1u ? 1.0 : -1.0;
     struct adams_motion now = s->m;
     const double begin = fabs(s->force_unit * now.contact);
     uint32_t k = 0;
-    while (k < n && !s->has_switched) {
+    while (k < n) {
         struct adams_motion next;
         struct method_books *books = &s->books[k];
         double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_of(s, end, on, n_on);
@@ -557,12 +562,24 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
         advance(s, turn, stiffness, on, n_on, &now, &next);
         books->force = fabs(s->force_unit * next.contact);
         if (!is_plain(&now.at, &next.at, side)) {
-            struct turn t = {PAIR(now.at), PAIR(next.at), PAIR(next.without), now.contact,
-                             next.contact, stiffness,     b->regime,          turn - first};
+            struct turn t = {PAIR(now.at),
+                             PAIR(next.at),
+                             PAIR(next.without),
+                             now.contact,
+                             next.contact,
+                             stiffness,
+                             regime,
+                             k,
+                             turn - first,
+                             b->switches};
             if (!take_turn(s, &t, books))
                 break;
             BOTH SIDE(next.at) = SIDE(t.to);
             BOTH SIDE(next.without) = SIDE(t.without);
+            regime = t.regime;
+            side = regime & 1u ? 1.0 : -1.0;
+            if (b->switches->n == RUN_SWITCHES)
+                n = k + 1;
         }
         book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
                  &books->damping);
@@ -575,7 +592,7 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     s->m = now;
     s->x[0] = x[k][0];
     s->x[1] = x[k][1];
-    count_begin(s, k, begin);
+    count_begin(s, b, k, begin);
     return k;
 }
 
@@ -586,7 +603,6 @@ static uint32_t run_any(const struct model *m, const double *p, double *scratch,
 {
     struct adams *s = (struct adams *)(void *)scratch;
     (void)m, (void)p;
-    s->has_switched = false;
     if (!goes_on(s, b, x[0]))
         return 0;
 #if TICK_LANES > 1
@@ -622,12 +638,6 @@ static const struct method_books *books(const double *scratch)
     return ((const struct adams *)(const void *)scratch)->books;
 }
 
-static const struct method_switch *switched(const double *scratch)
-{
-    const struct adams *s = (const struct adams *)(const void *)scratch;
-    return s->has_switched ? &s->switched : NULL;
-}
-
 const struct method adams = {
     .name = "adams",
     .title = "Adams' predictor and corrector, one force a tick, drives integrated exactly; order 5, 4 to 5 "
@@ -639,5 +649,4 @@ const struct method adams = {
     .bind = bind,
     .bind_run = bind_run,
     .books = books,
-    .switched = switched,
 };

@@ -97,8 +97,7 @@ struct adams {
     double left, end[2];
     struct method_books kept;
     struct method_books books[BLOCK_TICKS];
-    bool has_switched;
-    struct method_switch switched;
+    double at_switch[RUN_SWITCHES][2]; /* the states at the switches of a run */
 };
 
 #endif
