@@ -22,6 +22,7 @@
 #define MODELS_AFM_TIP_H
 
 #include "models/hertz_contact.h"
+#include "models/lanes.h"
 #include "models/model.h"
 
 extern const struct model afm_tip;
@@ -50,21 +51,13 @@ enum {
 };
 enum { TIP_P_DAMPING, TIP_P_HERTZ };
 
-static inline void afm_tip_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    double b = p[TIP_P_HERTZ];
-    double drive = (1.0 + b) + u[TIP_FORCE].value;
-    double stiffness = b * (1.0 + u[TIP_STIFFNESS].value);
-    x_dot[0] = x[1];
-    x_dot[1] = ((drive - x[0]) - p[TIP_P_DAMPING] * x[1]) - stiffness * hertz_contact_force(x[0]);
-}
-
-static inline void afm_tip_gap(const double *p, const struct input *u, const double *x, struct input *gap)
-{
-    (void)p, (void)u;
-    gap->value = -x[0];
-    gap->rate = -x[1];
-}
+#define real       double
+#define number     double
+#define REAL(name) name
+#include "models/afm_tip_text.h"
+#undef real
+#undef number
+#undef REAL
 
 /* ---- what the reduced models share with the full one ---- */
 

@@ -44,8 +44,10 @@ ALWAYS_INLINE real_beside hertz_contact_force_beside(real_beside eta)
 #define real       real_beside
 #define number     real_beside
 #define REAL(name) name##_beside
+#include "models/afm_tip_text.h"
 #include "models/flows_text.h"
 #include "models/hertz_rig_text.h"
+#include "models/rolling_contact_text.h"
 #undef real
 #undef REAL
 

@@ -20,6 +20,7 @@
 #define MODELS_ROLLING_CONTACT_H
 
 #include "models/hertz_contact.h"
+#include "models/lanes.h"
 #include "models/model.h"
 
 extern const struct model rolling_contact, rolling_contact_linear;
@@ -29,20 +30,12 @@ enum { ROLLING_FORCE, ROLLING_WAVINESS, ROLLING_INPUTS };
 enum { ROLLING_PAPER_ZETA, ROLLING_PAPER_XI0, ROLLING_PAPER_OMEGA, ROLLING_PAPER_PHI, ROLLING_PAPER };
 enum { ROLLING_P_TWO_ZETA };
 
-static inline void rolling_contact_rhs(const double *p, const struct input *u, const double *x, double *x_dot)
-{
-    double drive = (2.0 / 3.0) * (1.0 + u[ROLLING_FORCE].value);
-    double eta = x[0] + u[ROLLING_WAVINESS].value;
-    x_dot[0] = x[1];
-    x_dot[1] = (drive - p[ROLLING_P_TWO_ZETA] * x[1]) - (2.0 / 3.0) * hertz_contact_force(eta);
-}
-
-static inline void rolling_contact_gap(const double *p, const struct input *u, const double *x,
-                                       struct input *gap)
-{
-    (void)p;
-    gap->value = -(x[0] + u[ROLLING_WAVINESS].value);
-    gap->rate = -(x[1] + u[ROLLING_WAVINESS].rate);
-}
+#define real       double
+#define number     double
+#define REAL(name) name
+#include "models/rolling_contact_text.h"
+#undef real
+#undef number
+#undef REAL
 
 #endif

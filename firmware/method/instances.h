@@ -88,7 +88,10 @@
 #define INSTANCES_BESIDE(X) \
     X(rig, m == &hertz_rig && !(active & (1u << RIG_BASE | 1u << RIG_STIFFNESS)), \
       1, 2, 1, RIG_BASE, hertz_rig_rhs_forced, hertz_rig_gap_forced, hertz_rig_flow_forced) \
-    X(rig_moved, m == &hertz_rig, 1, 2, 1, RIG_INPUTS, hertz_rig_rhs, hertz_rig_gap, hertz_rig_flow)
+    X(rig_moved, m == &hertz_rig, 1, 2, 1, RIG_INPUTS, hertz_rig_rhs, hertz_rig_gap, hertz_rig_flow) \
+    X(rolling_contact, m == &rolling_contact, \
+      1, 2, 1, ROLLING_INPUTS, rolling_contact_rhs, rolling_contact_gap, rolling_contact_flow) \
+    X(afm_tip, m == &afm_tip, 2, 2, 1, TIP_INPUTS, afm_tip_rhs, afm_tip_gap, afm_tip_flow)
 /* clang-format on */
 
 #endif

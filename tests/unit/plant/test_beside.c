@@ -7,8 +7,10 @@
 #include "host_sim/beside/beside.h"
 #include "host_sim/beside/rk4_beside.h"
 #include "host_sim/beside/rk4_beside_avx2.h"
+#include "models/afm_tip.h"
 #include "models/hertz_rig.h"
 #include "models/models.h"
+#include "models/rolling_contact.h"
 #include "tests/fixture/any_motion.h"
 
 enum { RUNS = 150, PARTS = 25, LONGEST = 200 };
@@ -31,13 +33,18 @@ static void look(void *sum, const struct plant *pl)
     *s = *s * 31 + pl->now.tick;
 }
 
-/* Plants that differ in their masses, and in one of eight in model or method. */
+/* The models of INSTANCES_BESIDE. */
+enum { KINDS = 3 };
+static const struct model *const kinds[KINDS] = {&hertz_rig, &rolling_contact, &afm_tip};
+
+/* Plants of one model that differ in their masses, and in one of eight in model or method. */
 static bool start_plants(uint32_t n)
 {
     double si[MODEL_PARAMETERS];
+    const struct model *most = kinds[any_pick(KINDS)];
     for (uint32_t i = 0; i < n; i++) {
         bool other = any_pick(8) == 0;
-        const struct model *m = other ? model_table[any_pick(MODELS)] : &hertz_rig;
+        const struct model *m = other ? model_table[any_pick(MODELS)] : most;
         const struct method *own = any_pick(2) ? &rk4 : &auto_method,
                             *method = other ? method_table[any_pick(METHODS)] : own;
         double tick_s = any_tick_s(m);
@@ -188,20 +195,23 @@ TEST(beside_dips)
 /* ---- the width of vectors ---- */
 
 /* Plants near contact whose ledgers are under way, and blocks of ticks. */
-static void fill(struct method_block *b, struct plant *pl)
+static void fill(const struct model *m, struct method_block *b, struct plant *pl)
 {
+    double si[MODEL_PARAMETERS];
+    for (int i = 0; i < m->n_parameters; i++)
+        si[i] = m->parameter[i].initial;
     for (int i = 0; i < SIDES; i++) {
         memset(&pl[i], 0, sizeof pl[i]);
         memset(&b[i], 0, sizeof b[i]);
-        pl[i].p[RIG_P_TWO_XI] = 0.03;
-        pl[i].ledger.active = b[i].active = (1u << RIG_INPUTS) - 1u;
+        m->prepare(si, pl[i].p, &pl[i].scale);
+        pl[i].ledger.active = b[i].active = (1u << m->n_inputs) - 1u;
         pl[i].regime = b[i].regime = 1;
         b[i].length = any_between(0.01, 0.1);
         ledger_weigh(&pl[i].ledger, b[i].length);
         b[i].x[0][0] = any_between(0.01, 1.3);
         b[i].x[0][1] = any_between(-0.3, 0.3);
         for (int k = 0; k <= 2 * BLOCK_TICKS; k++)
-            for (int j = 0; j < RIG_INPUTS; j++)
+            for (int j = 0; j < m->n_inputs; j++)
                 b[i].at[k][j] = (struct input){any_between(-0.1, 0.1), any_between(-0.1, 0.1)};
     }
 }
@@ -229,12 +239,13 @@ TEST(beside_widths)
         return;
     }
     for (int k = 0; k < 2000; k++) {
+        const struct model *m = kinds[k / 2 % KINDS];
         unsigned which = active[k % 2];
-        fill(narrow, narrow_plant);
+        fill(m, narrow, narrow_plant);
         memcpy(wide, narrow, sizeof wide);
         memcpy(wide_plant, narrow_plant, sizeof wide_plant);
-        uint32_t n = run_block(rk4_bind_sides_plain(&hertz_rig, which), narrow, narrow_plant);
-        n_differ += n != run_block(rk4_bind_sides_avx2(&hertz_rig, which), wide, wide_plant);
+        uint32_t n = run_block(rk4_bind_sides_plain(m, which), narrow, narrow_plant);
+        n_differ += n != run_block(rk4_bind_sides_avx2(m, which), wide, wide_plant);
         n_differ += memcmp(wide, narrow, sizeof wide) != 0 ||
                     memcmp(wide_plant, narrow_plant, sizeof wide_plant) != 0;
         moved += n;
