@@ -10,6 +10,7 @@
 #include "host_sim/fit/plan.h"
 #include "host_sim/fit/solve/unknown.h"
 #include "host_sim/fit/tell.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/out/utf8.h"
 #include "models/math/elementary.h"
 
@@ -89,7 +90,9 @@ static void drop_curves(struct fit_setup *s)
     s->n_active = s->n_residuals = 0;
 }
 
-static void print_row(const struct fit_setup *s, const struct fit_result *r, bool known, const char *drives)
+/* lost: points that do not count. */
+static void print_row(const struct fit_setup *s, const struct fit_result *r, bool known, int lost,
+                      const char *drives)
 {
     printf("  %-*s", utf8_field(drives, 22), drives);
     for (int k = 0; k < s->n; k++) {
@@ -97,6 +100,8 @@ static void print_row(const struct fit_setup *s, const struct fit_result *r, boo
         const char *width = known ? tell_width(&s->unknown[k], r->sd[k], text) : "no motion";
         printf(" %-*s", utf8_field(width, 13), width);
     }
+    if (known && lost)
+        printf(" without %d point%s, where no settled motion is found", lost, plural(lost));
     putchar('\n');
 }
 
@@ -111,11 +116,12 @@ static int tell_row(struct fit_setup *s, const double *u, double frequency_Hz, d
     snprintf(drives, sizeof drives, a > 0.0 ? "%s and %s" : "%s%s", a > 0.0 ? text[0] : "", text[1]);
     memcpy(r.u, u, sizeof r.u);
     bool room = (!(a > 0.0) || add_curve(s, frequency_Hz, a)) && add_curve(s, frequency_Hz, b);
-    bool known = room && plan_fill(s, u, noise) && starts_spread(s, &r);
+    int lost = room ? plan_fill(s, u, noise) : -1;
+    bool known = lost >= 0 && starts_spread(s, &r);
     drop_curves(s);
     if (clock_interrupted())
         return options_failure(s->o.usage, "interrupted: the rows after these are left out");
-    print_row(s, &r, known, drives);
+    print_row(s, &r, known, lost, drives);
     return room ? 0 : options_failure(s->o.usage, "out of memory");
 }
 

@@ -7,23 +7,25 @@
 #include <string.h>
 #include "host_sim/fit/solve/problem.h"
 
-bool plan_fill(struct fit_setup *s, const double *u, double noise)
+int plan_fill(struct fit_setup *s, const double *u, double noise)
 {
     struct problem p = {s, PROBLEM_PLAIN};
     double *residual = calloc((size_t)s->n_residuals + 1, sizeof *residual);
     bool good = residual && isfinite(problem_residuals(&p, u, residual));
+    int all = 0, lost = 0;
     free(residual);
     for (int c = 0; c < s->data.n; c++)
         for (int i = 0; good && i < s->data.curve[c].n; i++) {
             struct curve_point *x = &s->data.curve[c].point[i];
             const struct follow_point *at = &s->point[c][i].at;
-            good = at->found;
             x->re = at->orbit.re;
             x->im = at->orbit.im;
             unknown_measure(s, u, x->frequency_Hz, &x->re, &x->im);
-            x->sigma = noise * sqrt(x->re * x->re + x->im * x->im);
+            x->sigma = at->found ? noise * sqrt(x->re * x->re + x->im * x->im) : HUGE_VAL;
+            lost += !at->found;
+            all++;
         }
-    return good;
+    return good && lost < all ? lost : -1;
 }
 
 /* The information of the slopes a[m][n] is added to that of the fit. */
@@ -77,7 +79,7 @@ bool plan_further(struct fit_setup *s, const struct fit_result *r, int c, double
     bool good = curve->point && further.point[0] && a;
     if (good)
         memcpy(curve->point, s->data.curve[c].point, (size_t)curve->n * sizeof *curve->point);
-    good = good && plan_fill(&further, r->u, noise_of(&s->data.curve[c]));
+    good = good && plan_fill(&further, r->u, noise_of(&s->data.curve[c])) >= 0;
     if (good)
         problem_slopes(&p, r->u, a);
     good = good && add_information(s, r, a, 2 * curve->n, sd);

@@ -9,7 +9,9 @@
 bool plan_further(struct fit_setup *s, const struct fit_result *r, int c, double amplitude,
                   double sd[FIT_UNKNOWNS]);
 
-/* Gives the points of all curves what the plant gives at u, with this noise. False: as above. */
-bool plan_fill(struct fit_setup *s, const double *u, double noise);
+/* Gives the points of all curves what the plant gives at u, with this noise; a point without a stable motion
+ * of the drive's period does not count. Returns how many those are; -1: that plant does not run, or has no
+ * such motion at all. */
+int plan_fill(struct fit_setup *s, const double *u, double noise);
 
 #endif
