@@ -4,6 +4,7 @@
 #include "host_sim/fit/solve/unknown.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include "host_sim/fit/data/log_record.h"
@@ -305,6 +306,37 @@ static int read_levers(struct fit_setup *s)
     return status;
 }
 
+static bool are_one_curve(const struct curve *a, const struct curve *b)
+{
+    bool same = a->n == b->n && a->input == b->input && a->output == b->output &&
+                a->derivatives == b->derivatives && a->down == b->down &&
+                !memcmp(&a->amplitude, &b->amplitude, sizeof a->amplitude);
+    for (int i = 0; same && i < a->n; i++)
+        same = !memcmp(&a->point[i], &b->point[i], offsetof(struct curve_point, sigma));
+    return same;
+}
+
+/* What was measured once counts once: given twice, its intervals would be too narrow. */
+static int check_twice(const struct fit_setup *s)
+{
+    const char *twice = NULL, *first = NULL;
+    for (int i = 0; i < s->data.n; i++)
+        for (int k = 0; k < i; k++)
+            if (are_one_curve(&s->data.curve[i], &s->data.curve[k])) {
+                twice = s->data.curve[i].path;
+                first = s->data.curve[k].path;
+            }
+    for (int i = 0; i < s->records.n; i++)
+        for (int k = 0; k < i; k++) {
+            const struct record *a = &s->records.record[i], *b = &s->records.record[k];
+            if (a->n != b->n || a->output != b->output || memcmp(a->y, b->y, (size_t)a->n * sizeof *a->y))
+                continue;
+            twice = a->path;
+            first = b->path;
+        }
+    return twice ? misuse(s, "%s has the data of %s once more; give them once", twice, first) : 0;
+}
+
 static int read_data(struct fit_setup *s)
 {
     const struct usage *u = s->o.usage;
@@ -333,7 +365,7 @@ static int read_data(struct fit_setup *s)
         return misuse(s, "records are taken of models with one degree of freedom; give response curves");
     sort_curves(&s->data);
     noise_assume(s);
-    return 0;
+    return check_twice(s);
 }
 
 static int make_room(struct fit_setup *s)

@@ -129,6 +129,10 @@ static int read_header(struct table *t)
         return table_wrong(t, -1, "no header, and no data; give rows below a header with units");
     if (t->n == 1 && strpbrk(t->cell[0], ";\t"))
         return table_wrong(t, -1, "write commas between the cells");
+    double number;
+    if (options_read_number(t->cell[0], &number))
+        return table_wrong(t, 0,
+                           "a row, and no header before it; name the columns above it, with their units");
     char *at = t->header;
     for (int i = 0; i < t->n; i++) {
         size_t n = strlen(t->cell[i]) + 1;
