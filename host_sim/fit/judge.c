@@ -7,8 +7,11 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
-#include "host_sim/fit/solve/problem.h"
+#include "host_sim/cli/clock.h"
+#include "host_sim/fit/profile.h"
 #include "host_sim/fit/sequence.h"
+#include "host_sim/fit/solve/problem.h"
+#include "host_sim/out/plural.h"
 
 static const double chi2_most = 4.0;
 static const double far = 10.0; /* standard deviations: a point beside a jump that is on its other side */
@@ -189,12 +192,36 @@ static void judge_bounds(const struct fit_setup *s, const struct fit_result *r, 
     }
 }
 
+/* Where chi^2 rises too slowly beside the unknown that is known least, the intervals come from its profile.
+ * Those of the others follow it. */
+static void judge_rise(struct fit_setup *s, struct fit_result *r, struct judged *j)
+{
+    int k = starts_weakest(s, r);
+    if (r->interrupted || j->n)
+        return;
+    s->task.to_the_end = false;
+    double wider = profile_widening(s, r, k);
+    s->task.to_the_end = true;
+    if (clock_interrupted())
+        add(&j->n, j->reason, "interrupted: how chi^2 rises beside %s is left out", s->unknown[k].name);
+    else if (isinf(wider))
+        add(&j->n, j->reason, "chi^2 hardly rises beside %s: the data do not tell it", s->unknown[k].name);
+    else if (wider > 1.0) {
+        starts_widen(s, r, k, wider);
+        add(&j->n_notes, j->note,
+            "chi^2 is no parabola beside %s: its interval comes from its profile, and is %.2g times as wide "
+            "as by the slopes",
+            s->unknown[k].name, wider);
+    }
+}
+
 static void judge_starts(const struct fit_result *r, struct judged *j)
 {
     int elsewhere = r->starts - r->agree - r->worse;
     if (elsewhere > 0)
-        add(&j->n, j->reason, "%d of %d starts end elsewhere and fit as well: the data allow several plants",
-            elsewhere, r->starts);
+        add(&j->n, j->reason,
+            "%d of %d starts end%s elsewhere and fit%s as well: the data allow several plants", elsewhere,
+            r->starts, singular(elsewhere), singular(elsewhere));
     else if (r->agree < 2 && r->starts > 1)
         add(&j->n, j->reason, "no second start of %d ends here: this may be a wrong minimum", r->starts);
     if (r->interrupted)
@@ -203,12 +230,13 @@ static void judge_starts(const struct fit_result *r, struct judged *j)
             r->starts, FIT_STARTS);
 }
 
-void judge_fit(struct fit_setup *s, const struct fit_result *r, struct judged *j)
+void judge_fit(struct fit_setup *s, struct fit_result *r, struct judged *j)
 {
     *j = (struct judged){.worst = 0.0};
     judge_residuals(s, r, j);
     judge_records(s, j);
     judge_jumps(s, r, j);
-    judge_bounds(s, r, j);
     judge_starts(r, j);
+    judge_rise(s, r, j);
+    judge_bounds(s, r, j);
 }

@@ -19,7 +19,8 @@ struct judged {
     char note[JUDGE_REASONS][JUDGE_TEXT];
 };
 
-void judge_fit(struct fit_setup *s, const struct fit_result *r, struct judged *j);
+/* Widens intervals of *r that are too narrow. s->point is no longer that of r->u then. */
+void judge_fit(struct fit_setup *s, struct fit_result *r, struct judged *j);
 
 /* The number of standard deviations that holds 68 % or 95 % (`wide`) of this fit's errors. */
 double judge_quantile(const struct fit_setup *s, const struct fit_result *r, bool wide);

@@ -6,7 +6,7 @@
 
 #include "host_sim/fit/starts.h"
 
-enum { PROFILE_POINTS = 17, PROFILE_REACH = 3 }; /* the reach in standard deviations, to both sides */
+enum { PROFILE_POINTS = 17, PROFILE_REACH = 3 /* in standard deviations, to both sides */, PROFILE_FAR = 10 };
 
 struct profile {
     int unknown;
@@ -18,5 +18,10 @@ struct profile {
 /* The profile of unknown k, within its reach. False: the user stopped it, and it has fewer
  * points. */
 bool profile_find(struct fit_setup *s, const struct fit_result *r, int k, struct profile *p);
+
+/* The true standard deviation of unknown k over that from the slopes. 1: two of these off, chi^2 rises by 2
+ * at least on both sides, where a parabola rises by 4. Else it is half of where chi^2 has risen by 4, on the
+ * further side. Infinite: that is not within PROFILE_FAR. Cost: fits of the other unknowns, two at least. */
+double profile_widening(struct fit_setup *s, const struct fit_result *r, int k);
 
 #endif

@@ -316,7 +316,7 @@ static bool are_one_curve(const struct curve *a, const struct curve *b)
     return same;
 }
 
-/* What was measured once counts once: given twice, its intervals would be too narrow. */
+/* A measurement counts once: given twice, its intervals would be too narrow. */
 static int check_twice(const struct fit_setup *s)
 {
     const char *twice = NULL, *first = NULL;

@@ -15,7 +15,8 @@
 #include "host_sim/fit/sequence.h"
 #include "host_sim/fit/thin.h"
 
-static const double beside = 0.2; /* further starts, from the best end of the first ones */
+static const double beside = 0.2;    /* further starts, from the best end of the first ones */
+static const double close_by = 0.05; /* the last one, where no second start has ended there */
 static const double narrow_sd = 10.0;
 static const double passed_by = 0.1;   /* cost and every unknown: two fits that have come to one place */
 static const double worse_by = 10.0;   /* times the best cost of some points: no second fit follows */
@@ -49,6 +50,28 @@ static void find_weak(const struct fit_setup *s, struct fit_result *r)
     matrix_singular(s->n, s->n, a, value, v);
     for (int k = 0; k < s->n; k++)
         r->weak[k] = v[k][0];
+}
+
+int starts_weakest(const struct fit_setup *s, const struct fit_result *r)
+{
+    int most = 0;
+    for (int k = 1; k < s->n; k++)
+        most = fabs(r->weak[k]) > fabs(r->weak[most]) ? k : most;
+    return most;
+}
+
+/* The spread of the others at a given value of unknown k stays as it is. */
+void starts_widen(const struct fit_setup *s, struct fit_result *r, int k, double factor)
+{
+    double column[FIT_UNKNOWNS], square = r->covariance[k][k];
+    for (int i = 0; i < s->n; i++)
+        column[i] = r->covariance[i][k];
+    for (int a = 0; a < s->n; a++)
+        for (int b = 0; b < s->n; b++)
+            r->covariance[a][b] += (factor * factor - 1.0) * column[a] * column[b] / square;
+    for (int i = 0; i < s->n; i++)
+        r->sd[i] = sqrt(r->covariance[i][i]);
+    find_weak(s, r);
 }
 
 bool starts_spread(struct fit_setup *s, struct fit_result *r)
@@ -163,6 +186,15 @@ static void compare_ends(const struct fit_setup *s, struct fit_result *r, double
     }
 }
 
+/* No second one of the n ends so far is at the best one. */
+static bool is_alone(const struct fit_setup *s, const struct ends *e, double (*place)[FIT_UNKNOWNS], int n)
+{
+    bool alone = e->best >= 0;
+    for (int i = 0; i < n; i++)
+        alone = alone && (i == e->best || apart(s, place[i], place[e->best]) > passed_by);
+    return alone;
+}
+
 /* Behind the first n places: those of what the best end does not see, or beside it. */
 static void add_further(struct fit_setup *s, struct ends *e, double (*place)[FIT_UNKNOWNS], int n)
 {
@@ -182,6 +214,9 @@ static void fit_all(struct fit_setup *s, struct fit_result *r, struct ends *e, d
         int i = r->starts;
         if (i == n)
             add_further(s, e, place, n);
+        if (i == FIT_STARTS - 1 && is_alone(s, e, place, i))
+            for (int k = 0; k < s->n; k++)
+                place[i][k] = place[e->best][k] + (s->unknown[k].kind == FIT_PARAMETER ? close_by : 0.0);
         e->chi2[i] = fit_from(s, e, i, place);
         if (clock_interrupted())
             break;

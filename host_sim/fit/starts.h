@@ -21,6 +21,12 @@ struct fit_result {
 /* Fits. False: no start has a plant that runs. */
 bool starts_fit(struct fit_setup *s, struct fit_result *r);
 
+/* The unknown that the weakest direction moves most. */
+int starts_weakest(const struct fit_setup *s, const struct fit_result *r);
+
+/* The standard deviation of unknown k becomes so many times wider, and the covariance follows. */
+void starts_widen(const struct fit_setup *s, struct fit_result *r, int k, double factor);
+
 /* Singular values, covariance and standard deviations of the plain form at r->u; s->point is that of r->u. */
 bool starts_spread(struct fit_setup *s, struct fit_result *r);
 

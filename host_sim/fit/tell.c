@@ -8,6 +8,7 @@
 #include "host_sim/fit/levers.h"
 #include "host_sim/fit/plan.h"
 #include "host_sim/fit/solve/problem.h"
+#include "host_sim/out/plural.h"
 #include "host_sim/out/utf8.h"
 
 enum { POWER_MOST = 3, LEVELS = 3 };
@@ -77,9 +78,8 @@ static double product_sd(const struct fit_setup *s, const struct fit_result *r, 
 /* The two unknowns that the weakest direction moves most. */
 static void find_pair(const struct fit_setup *s, const struct fit_result *r, int pair[2])
 {
-    pair[0] = pair[1] = -1;
-    for (int k = 0; k < s->n; k++)
-        pair[0] = pair[0] < 0 || fabs(r->weak[k]) > fabs(r->weak[pair[0]]) ? k : pair[0];
+    pair[0] = starts_weakest(s, r);
+    pair[1] = -1;
     for (int k = 0; k < s->n; k++)
         if (k != pair[0])
             pair[1] = pair[1] < 0 || fabs(r->weak[k]) > fabs(r->weak[pair[1]]) ? k : pair[1];
@@ -192,7 +192,7 @@ static void tell_residuals(const struct fit_setup *s, const struct fit_result *r
             j->chi2_each, r->n_numbers, j->runs, j->worst_at, j->worst);
     if (!s->noise_known)
         fprintf(f, "the data do not say their noise: it is taken from how neighbouring points differ\n");
-    fprintf(f, "%d of %d starts end here%s\n", r->agree, r->starts,
+    fprintf(f, "%d of %d start%s end%s here%s\n", r->agree, r->starts, plural(r->starts), singular(r->agree),
             r->worse ? "; the others in worse minima" : "");
 }
 
@@ -201,15 +201,15 @@ void tell_fit(struct fit_setup *s, const struct fit_result *r, const struct judg
     int hidden = 0;
     for (int k = 0; k < s->n; k++)
         hidden += fit_is_hidden(&s->unknown[k]);
-    fprintf(f, "%s: %d unknown%s, ", s->name, s->n - hidden, s->n - hidden > 1 ? "s" : "");
+    fprintf(f, "%s: %d unknown%s, ", s->name, s->n - hidden, plural(s->n - hidden));
     if (s->levers.n)
         fprintf(f, "%s\n",
                 s->levers.n > 1          ? "a spectrum and a force curve"
                 : s->levers.data[0].kind ? "a force curve"
                                          : "a spectrum");
     else
-        fprintf(f, "%d curve%s, %d record%s\n", s->data.n, s->data.n == 1 ? "" : "s", s->records.n,
-                s->records.n == 1 ? "" : "s");
+        fprintf(f, "%d curve%s, %d record%s\n", s->data.n, plural(s->data.n), s->records.n,
+                plural(s->records.n));
     tell_table(s, r, f);
     tell_residuals(s, r, j, f);
     if (s->n - hidden > 1 && largest(s, r->sd) > weak) {

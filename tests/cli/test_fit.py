@@ -367,6 +367,15 @@ def test_levers():
     verdict("  --svg draws both", exists("found.svg") and "density" in open(os.path.join(directory, "found.svg")).read() and "nan" not in open(os.path.join(directory, "found.svg")).read(), "")
     r = run("fit", "lever.ini", "--curve", "curve.csv", "--hold", "stiffness=2 N/m")
     verdict("a force curve alone, with the stiffness held", r.returncode == 0 and off_lever(r.stdout) < 1.5 and table(r.stdout)["modulus"][1] < 0.03, told(r))
+    soft = {"f0": 20640, "stiffness": 0.1805, "quality": 30.2, "hamaker": 8.5e-20, "hamaker_out": 9.55e-20, "modulus": 5e8}
+    put("soft.ini", "[plant]\nmodel = afm_lever\ntemperature = 295 K\nf0 = 20640 Hz\nstiffness = 0.1805 N/m\nquality = 30.2\nhamaker = 120 zJ\nhamaker_out = 120 zJ\nmodulus = 800 MPa\n")
+    for seed in (0, 1, 10):
+        put("soft.csv", curve_text(soft, 100e-12, 0, seed, top=50e-9))
+        r = run("fit", "soft.ini", "--curve", "soft.csv", "--hold", "stiffness=0.1805 N/m")
+        wider = re.search(r"no parabola beside contact: its interval comes from its profile, and is (\S+) times as wide", r.stdout)
+        contact = re.search(r"^  contact +(\S+) pm +\+- \S+ pm +\+- (\S+) pm", r.stdout, re.M)
+        verdict("chi^2 that is no parabola, noise %d: the interval comes from the profile and holds the truth" % seed, r.returncode == 0 and wider and float(wider[1]) > 1.4 and
+                contact and abs(float(contact[1])) < float(contact[2]) and off_lever(r.stdout, soft) < 1.5, told(r))
     put("cone.csv", curve_text({**LEVER, "modulus": 1e8}, 5e-12, 3e-9, 5, power=2.0))
     r = run("fit", "lever.ini", "--curve", "cone.csv", "--hold", "stiffness=2 N/m")
     verdict("the force curve of a cone: told", "is not quite this plant" in r.stdout or r.returncode == 1, told(r))
@@ -561,6 +570,7 @@ BAD = (
     ("doubled frequency", HEAD + "200,1e-6,0\n200,1e-6,0\n", "5:1", "twice"),
     ("unsorted", HEAD + "200,1e-6,0\n210,1e-6,0\n205,1e-6,0\n", "6:1", "not in order"),
     ("degrees unsaid", HEAD + "200,1e-6,-90\n", "4:10", "looks like degrees"),
+    ("no header", HEAD.replace("frequency_Hz,amplitude_m,phase_rad\n", "200,1e-6,0\n"), "3:1", "name the columns above it"),
     ("too few cells", HEAD + "200,1e-6\n", "4:5", "the header has 3"),
     ("too many cells", HEAD + "200,1e-6,0,7\n", "4:12", "the header has 3"),
     ("semicolons", HEAD.replace(",", ";") + "200;1e-6;0\n", 3, "write commas"),
@@ -625,7 +635,8 @@ def test_interrupted():
 def test_bad_lines():
     for words, why in ((("--hold", "preload"), "NAME=VALUE"), (("--free", "mas"), "did you mean mass"), (("--free", "zz"), "scene; contactplant scene shows them"), (("--free", "mass,"), "commas between"), (("--free", "mass,mass"), "twice"),
                        (("--free", "mass", "--hold", "mass=6 kg"), "both"), (("--free", "force.amplitude"), "belongs to a drive"), (("--hold", "mass=6 N"), "does not fit"),
-                       (("--free", "gain.forse"), "did you mean gain.force"), (("--out", "small.csv"), "read by this command")):
+                       (("--free", "gain.forse"), "did you mean gain.force"), (("--out", "small.csv"), "read by this command"),
+                       (("--sweep", "large.csv", "--sweep", "./small.csv"), "./small.csv has the data of small.csv once more"), (("--ring", "decay.csv", "--ring", "decay.csv"), "once more")):
         r = fit("--sweep", "small.csv", *words)
         verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
     for words, why in ((("rig.ini",), "no data"), ((), "missing"), (("bbp-fig2-force", "--sweep", "small.csv"), "paper"), (("tapping", "--sweep", "small.csv"), "--thermal FILE and --curve"),
@@ -635,7 +646,7 @@ def test_bad_lines():
         verdict("fit %s: %s" % (" ".join(words), why), r.returncode == 2 and r.stderr.count("\n") == 1 and why in r.stderr, told(r))
 
 
-for name in ("rig.ini", "small.csv", "large.csv"):
+for name in ("rig.ini", "small.csv", "large.csv", "decay.csv"):
     put(name, open(os.path.join(data, name)).read())
 put("true.ini", open(os.path.join(data, "rig.ini")).read().replace("6.5 kg", "6.1 kg").replace("3.4e9", "3.9e9").replace("64 N", "80 N").replace("188 N", "150 N"))
 for part in (test_numbers, test_forms, test_records, test_logs, test_ended_logs, test_levers, test_plant_levers, test_guide, test_bad_levers, test_plan, test_pictures, test_sweep, test_bad_data, test_bad_lines):

@@ -192,7 +192,7 @@ static void draw_profile(struct figure *g, const struct fit_setup *s, const stru
     figure_axis(g, &(struct figure_axis){k->name, k->unit, 0.0, 0.0, false});
     figure_panel(g, title, "", PROFILE_PX);
     put(g, FIGURE_LINE, "profile", CHART_BLUE, &c, p->rise);
-    put(g, FIGURE_LINE, "from the slopes, dashed", CHART_GREY, &slopes, parabola);
+    put(g, FIGURE_LINE, "by the interval, dashed", CHART_GREY, &slopes, parabola);
 }
 
 /* A bound of the interval by the profile, or a blank. */
@@ -240,7 +240,7 @@ static int draw_profiles(struct figure *g, struct fit_setup *s, const struct fit
     for (int i = 0; i < n; i++)
         draw_profile(g, s, r, &p[i]);
     if (h)
-        html_table(h, "Unknowns", "name,value,95 % from slopes,95 % by the profile: from,to");
+        html_table(h, "Unknowns", "name,value,95 %,95 % by the profile: from,to");
     for (int i = 0; i < n && h; i++)
         put_row(h, s, r, &p[i]);
     return whole == n || r->interrupted
