@@ -73,9 +73,13 @@ typedef double lanes_in_memory
     {                                                                                                        \
         return (real_##name)((mask_##name)x & INT64_MAX);                                                    \
     }                                                                                                        \
+    ALWAYS_INLINE unsigned which_##name(mask_##name m) /* bit i: lane i */                                   \
+    {                                                                                                        \
+        return (unsigned)builtin(movmskpd)((real_##name)m);                                                  \
+    }                                                                                                        \
     ALWAYS_INLINE bool any_##name(mask_##name m)                                                             \
     {                                                                                                        \
-        return builtin(movmskpd)((real_##name)m) != 0;                                                       \
+        return which_##name(m) != 0;                                                                         \
     }
 
 #define TICK_BUILTIN(f) __builtin_ia32_##f

@@ -12,27 +12,37 @@ struct company {
     uint32_t n;
     struct plant_run *r[SIDES];
     struct quiet q[SIDES];
-    bool good[SIDES]; /* the tick behind those that are done is one to its end */
+    bool in[SIDES];        /* its quiet ticks go on */
+    uint32_t timed[SIDES]; /* its ticks by `run` since they began */
     struct plant_side side[SIDES];
+    plant_bind_sides *bind;
     plant_sides_function *run;
-    uint32_t run_ticks; /* by `run` */
+    unsigned active;
+    uint32_t left; /* ticks that all of them have */
 };
 
-/* Begins; returns the ticks that all of them have. */
-static uint32_t begin_company(struct company *c)
+static uint32_t begin_one(struct company *c, uint32_t i)
 {
-    uint32_t n = PHASOR_RESYNC_TICKS;
-    c->run_ticks = 0;
+    struct plant *pl = c->r[i]->pl;
+    uint64_t left = c->r[i]->to - pl->now.tick;
+    uint32_t n =
+        quiet_begin(pl, left < PHASOR_RESYNC_TICKS ? (uint32_t)left : PHASOR_RESYNC_TICKS, NULL, &c->q[i]);
+    if (n < c->left)
+        c->left = n;
+    c->timed[i] = 0;
+    c->in[i] = true;
+    return n;
+}
+
+static void begin_company(struct company *c)
+{
+    c->left = PHASOR_RESYNC_TICKS;
     for (uint32_t i = 0; i < SIDES; i++) {
         uint32_t k = i < c->n ? i : c->n - 1;
-        struct plant *pl = c->r[k]->pl;
-        uint64_t left = c->r[k]->to - pl->now.tick;
         if (i < c->n)
-            n = quiet_begin(pl, left < n ? (uint32_t)left : n, NULL, &c->q[i]);
-        c->good[i] = true;
-        c->side[i] = (struct plant_side){.pl = pl, .b = &c->q[k].b};
+            (void)begin_one(c, i);
+        c->side[i] = (struct plant_side){.pl = c->r[k]->pl, .b = &c->q[k].b};
     }
-    return n;
 }
 
 /* The block is full, and booked: its end moves to its begin. */
@@ -60,43 +70,79 @@ static void turn_drives(struct plant *pl, struct quiet *q, uint32_t n)
         quiet_climb(pl, q, t, n);
 }
 
-/* The plant has moved. The tick in which one of them stopped once more, alone. Then looks. */
+/* Plant i may be one of the company. */
+static bool is_alike(const struct company *c, const struct plant *pl)
+{
+    return pl->books == BOOKS_OF_LEDGER && c->bind(pl, c->active) == c->run;
+}
+
+/* The block behind tick k, which begins there. */
+static void begin_within(struct quiet *q, uint32_t k, int n_states)
+{
+    struct method_block *b = &q->b;
+    copy_state(b->x[k], b->x[0], n_states);
+    memcpy(b->at[2 * k], b->at[0], sizeof b->at[0]);
+    memcpy(b->phasor[k], b->phasor[0], sizeof b->phasor[0]);
+    b->instant -= k * TICK_FRACTIONS;
+    q->origin -= k;
+    q->done = q->booked = k;
+}
+
+/* Plant i takes a tick with a switch in it, and begins anew where the blocks of the others stand: behind tick
+ * k. */
+static void pass_switch(struct company *c, uint32_t i, uint32_t k)
+{
+    struct plant_run *r = c->r[i];
+    struct plant *pl = r->pl;
+    r->good = quiet_stop(pl, &c->q[i], false, c->timed[i], r->look, r->who);
+    c->in[i] = r->good && pl->now.tick + QUIET_FEW < r->to && quiet_is_next(pl) && is_alike(c, pl);
+    if (!c->in[i])
+        c->left = 0;
+    else if (begin_one(c, i) < BLOCK_TICKS) /* its block is filled up to there */
+        c->left = 0;
+    else
+        begin_within(&c->q[i], k, pl->model->n_states);
+}
+
+/* Plant i has moved; where it stopped it takes that tick alone. Then looks. */
 static void end_block(struct company *c, uint32_t i, uint32_t moved, bool stopped)
 {
     const struct plant_run *r = c->r[i];
     struct quiet *q = &c->q[i];
-    uint32_t from = q->done;
-    r->pl->segment.instant += moved * TICK_FRACTIONS;
-    q->done = q->booked = from + moved;
+    uint32_t from = q->done, own = moved - stopped;
+    bool good = true;
+    r->pl->segment.instant += own * TICK_FRACTIONS;
+    q->done = q->booked = from + own;
+    c->timed[i] += own;
     if (stopped)
-        c->good[i] = quiet_step(r->pl, q);
+        good = quiet_step(r->pl, q);
     if (r->several && q->done > from)
         r->several(r->who, r->pl, &q->b, from, q->done - from);
     else if (r->look)
         quiet_look(r->pl, q, from, r->look, r->who);
+    if (!good)
+        pass_switch(c, i, (from + moved) % BLOCK_TICKS);
 }
 
-/* Up to n ticks in the blocks; returns those that are done, 0 when one of the plants has no more. */
-static uint32_t run_company(struct company *c, uint32_t n)
+/* Ticks in the blocks. */
+static void run_company(struct company *c)
 {
-    uint32_t from = c->q[0].done % BLOCK_TICKS, room = BLOCK_TICKS - from, asked = n < room ? n : room;
+    uint32_t from = c->q[0].done % BLOCK_TICKS, room = BLOCK_TICKS - from;
+    uint32_t asked = c->left < room ? c->left : room;
+    unsigned stopped;
     for (uint32_t i = 0; i < SIDES; i++) {
         struct quiet *q = &c->q[i < c->n ? i : c->n - 1];
         if (q->done == BLOCK_TICKS)
-            turn_over(q, c->r[i]->pl->model->n_states);
+            turn_over(q, c->side[i].pl->model->n_states);
         if (i < c->n)
             turn_drives(c->r[i]->pl, q, asked);
         c->side[i].at = &q->b.at[2 * from];
         c->side[i].x = &q->b.x[from];
     }
-    uint32_t moved = c->run(c->side, asked);
-    bool stopped = moved < asked, good = true;
-    c->run_ticks += moved;
-    for (uint32_t i = 0; i < c->n; i++) {
-        end_block(c, i, moved, stopped);
-        good = good && c->good[i];
-    }
-    return good ? moved + stopped : 0;
+    uint32_t moved = c->run(c->side, asked, &stopped);
+    c->left -= moved;
+    for (uint32_t i = 0; i < c->n; i++)
+        end_block(c, i, moved, (stopped >> i) & 1u);
 }
 
 /* Single ticks up to one that may begin a block; false: there is none, or none of a block beside others. */
@@ -125,19 +171,20 @@ static void run_alone(struct plant_run *r)
 static bool gather(struct company *c, struct plant_run *r, uint32_t n, plant_bind_sides *bind)
 {
     const struct plant *first = r[0].pl;
-    unsigned active = 0;
     c->n = 0;
+    c->active = 0;
+    c->bind = bind;
     for (uint32_t i = 0; i < n && n > 1; i++) {
         const struct plant *pl = r[i].pl;
         if (pl->model != first->model || !pl->bind_run || !bind(pl, 0) || !come_to_quiet(&r[i]) ||
             pl->books != BOOKS_OF_LEDGER || !bind(pl, 0))
             continue;
-        active |= pl->segment.active;
+        c->active |= pl->segment.active;
         c->r[c->n++] = &r[i];
     }
     if (c->n < BESIDE_FEW)
         return false;
-    c->run = bind(c->r[0]->pl, active);
+    c->run = bind(c->r[0]->pl, c->active);
     return true;
 }
 
@@ -147,11 +194,14 @@ void plant_run_beside(struct plant_run *r, uint32_t n, plant_bind_sides *bind)
     for (uint32_t i = 0; i < n; i++)
         r[i].good = true;
     while (gather(&c, r, n, bind)) {
-        uint32_t left = begin_company(&c), done = 1;
-        for (; left > 0 && done > 0; left -= done)
-            done = run_company(&c, left);
-        for (uint32_t i = 0; i < c.n; i++)
-            c.r[i]->good = quiet_stop(c.r[i]->pl, &c.q[i], c.good[i], c.run_ticks, c.r[i]->look, c.r[i]->who);
+        begin_company(&c);
+        while (c.left > 0)
+            run_company(&c);
+        for (uint32_t i = 0; i < c.n; i++) {
+            struct plant_run *one = c.r[i];
+            if (c.in[i])
+                one->good = quiet_stop(one->pl, &c.q[i], true, c.timed[i], one->look, one->who);
+        }
     }
     for (uint32_t i = 0; i < n; i++)
         run_alone(&r[i]);

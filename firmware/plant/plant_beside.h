@@ -17,10 +17,12 @@ struct plant_side {
     double (*x)[MODEL_STATES];
 };
 
-/* Moves SIDES plants of one model by up to n ticks, behind ledger_begin of each. It stops before a tick that
- * one of them may not take to its end. Books the ticks and counts their times, and returns how many they are.
- * One plant may stand at several sides. */
-typedef uint32_t plant_sides_function(const struct plant_side *side, uint32_t n);
+/* Moves SIDES plants of one model by up to n ticks, behind ledger_begin of each. The first one that some of
+ * them may not take to its end is the last; `stopped` has these, bit i for side i, which stand before it.
+ * Books the ticks and counts their times, and returns how many they are. One plant may stand at several
+ * sides.
+ */
+typedef uint32_t plant_sides_function(const struct plant_side *side, uint32_t n, unsigned *stopped);
 
 /* The function for plants like this one of which no input but these sounds, by the method that it has now.
  * NULL: it goes alone. */

@@ -111,11 +111,15 @@ ALWAYS_INLINE void take_tick(struct row m, struct lanes *c, const struct plant_s
     }
 }
 
-ALWAYS_INLINE void put_back(struct row m, const struct lanes *c, const struct plant_side *side)
+/* But for lanes whose bit is in `left_out`. */
+ALWAYS_INLINE void put_back(struct row m, const struct lanes *c, const struct plant_side *side,
+                            unsigned left_out)
 {
     UNROLL
     for (int k = 0; k < PLANT_LANES; k++) {
         struct plant *pl = side[k].pl;
+        if ((left_out >> k) & 1u)
+            continue;
         close_books(m.ledger, &c->ledger, k, &pl->ledger);
         pl->peak_force = c->peak_force[k];
         pl->total_time = c->total_time[k];
@@ -123,42 +127,51 @@ ALWAYS_INLINE void put_back(struct row m, const struct lanes *c, const struct pl
     }
 }
 
-ALWAYS_INLINE uint32_t run_sides(struct row m, const struct plant_side *side, uint32_t n)
+ALWAYS_INLINE uint32_t run_sides(struct row m, const struct plant_side *side, uint32_t n, unsigned *stopped)
 {
     struct lanes c[VECTORS];
-    mask_beside bad = {0};
-    uint32_t tick = 0;
+    *stopped = 0;
     UNROLL
     for (int v = 0; v < VECTORS; v++)
         take_up(m, &c[v], &side[v * PLANT_LANES]);
-    for (; tick < n; tick++) {
+    for (uint32_t tick = 0; tick < n; tick++) {
         real_beside x1[VECTORS][MODEL_STATES];
+        mask_beside bad[VECTORS], any = {0};
         UNROLL
         for (int v = 0; v < VECTORS; v++) {
             excite(m.n_inputs, &c[v], &side[v * PLANT_LANES], tick);
             advance_from_beside(m.method, c[v].p, c[v].h, c[v].slope, c[v].u[1], c[v].u[2], c[v].x, x1[v]);
-            bad |= suspected(m.method, &c[v], x1[v]);
+            bad[v] = suspected(m.method, &c[v], x1[v]);
+            any |= bad[v];
         }
-        if (any_beside(bad))
-            break;
+        if (any_beside(any)) {
+            n = tick + 1;
+            UNROLL
+            for (int v = 0; v < VECTORS; v++) {
+                unsigned which = which_beside(bad[v]);
+                *stopped |= which << (v * PLANT_LANES);
+                put_back(m, &c[v], &side[v * PLANT_LANES], ~which);
+            }
+        }
         UNROLL
         for (int v = 0; v < VECTORS; v++)
             take_tick(m, &c[v], &side[v * PLANT_LANES], tick, x1[v]);
     }
     UNROLL
     for (int v = 0; v < VECTORS; v++)
-        put_back(m, &c[v], &side[v * PLANT_LANES]);
-    return tick;
+        put_back(m, &c[v], &side[v * PLANT_LANES], *stopped >> (v * PLANT_LANES));
+    return n;
 }
 
 #define RUN_SIDES(name, for_models, numbers, states, contacts, n_inputs, rhs, gap, flow)                     \
-    CALLED_FROM_ANYWHERE uint32_t run_sides_##name(const struct plant_side *side, uint32_t n)                \
+    CALLED_FROM_ANYWHERE uint32_t run_sides_##name(const struct plant_side *side, uint32_t n,                \
+                                                   unsigned *stopped)                                        \
     {                                                                                                        \
         const struct row m = {numbers,                                                                       \
                               n_inputs,                                                                      \
                               {rhs##_beside, gap##_beside, states, contacts},                                \
                               {states, n_inputs, flow##_beside}};                                            \
-        return run_sides(m, side, n);                                                                        \
+        return run_sides(m, side, n, stopped);                                                               \
     }
 INSTANCES_BESIDE(RUN_SIDES)
 #endif

@@ -217,12 +217,13 @@ static void fill(const struct model *m, struct method_block *b, struct plant *pl
 }
 
 /* Returns the ticks moved. */
-static uint32_t run_block(plant_sides_function *run, struct method_block *b, struct plant *pl)
+static uint32_t run_block(plant_sides_function *run, struct method_block *b, struct plant *pl,
+                          unsigned *stopped)
 {
     struct plant_side side[SIDES];
     for (int i = 0; i < SIDES; i++)
         side[i] = (struct plant_side){&pl[i], &b[i], b[i].at, b[i].x};
-    return run(side, BLOCK_TICKS);
+    return run(side, BLOCK_TICKS, stopped);
 }
 
 TEST(beside_widths)
@@ -231,6 +232,7 @@ TEST(beside_widths)
     static struct method_block narrow[SIDES], wide[SIDES];
     static struct plant narrow_plant[SIDES], wide_plant[SIDES];
     unsigned active[2] = {1u << RIG_FORCE, 1u << RIG_BASE};
+    unsigned narrow_stopped, wide_stopped;
     uint32_t moved = 0;
     int n_differ = 0;
     any_seed = 3;
@@ -244,8 +246,9 @@ TEST(beside_widths)
         fill(m, narrow, narrow_plant);
         memcpy(wide, narrow, sizeof wide);
         memcpy(wide_plant, narrow_plant, sizeof wide_plant);
-        uint32_t n = run_block(rk4_bind_sides_plain(m, which), narrow, narrow_plant);
-        n_differ += n != run_block(rk4_bind_sides_avx2(m, which), wide, wide_plant);
+        uint32_t n = run_block(rk4_bind_sides_plain(m, which), narrow, narrow_plant, &narrow_stopped);
+        n_differ += n != run_block(rk4_bind_sides_avx2(m, which), wide, wide_plant, &wide_stopped);
+        n_differ += narrow_stopped != wide_stopped;
         n_differ += memcmp(wide, narrow, sizeof wide) != 0 ||
                     memcmp(wide_plant, narrow_plant, sizeof wide_plant) != 0;
         moved += n;
