@@ -753,6 +753,8 @@ NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
         if (w->moved)
             show_inputs(pl, q, w->done);
         rise_to(&pl->peak_force, w->force);
+        if (pieces > 1 && pl->books == BOOKS_OF_LEDGER) /* the force at the instant of both */
+            rise_to(&pl->peak_force, pl->ledger.flow.force);
         pass_time(pl, w->done - begin);
         take_switch(pl, &c, w->done * pl->ticks_per_time);
         begin = w->done;

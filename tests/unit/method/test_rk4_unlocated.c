@@ -163,6 +163,28 @@ TEST(rk4_unlocated_together)
     check_int("budgets", (int64_t)pl.counts.budget, 0);
 }
 
+/* Both ends of a shaft cross the whole clearance in one tick: lost on one side, touched on the other. The
+ * peak force told at the second loss is that since the first one, also where a block goes on through it. */
+TEST(rk4_unlocated_crossed)
+{
+    enum { TICKS = 12 };
+    static struct plant one_by_one, at_once;
+    static struct plant *const both[] = {&one_by_one, &at_once};
+    for (int i = 0; i < 2; i++) {
+        start_thrown(both[i], &thrown[3], &rk4_unlocated);
+        plant_drive_start(both[i], 0, 0.0, 0.0, 0.0);
+        check_true("at rest", plant_run(both[i], TICKS));
+        double back = -2.04 / both[i]->h;
+        plant_set_state(both[i], (double[]){1.02, 1.02, 1.02, back, back, back});
+    }
+    for (int k = 0; k < TICKS; k++)
+        check_true("tick by tick", plant_run(&one_by_one, 1));
+    check_true("at once", plant_run(&at_once, TICKS));
+    check_int("events, two losses and two touchdowns at first", (int64_t)one_by_one.event[3].tick, TICKS);
+    check_above("peak force at the second loss", one_by_one.event[2].peak_force, 0.0);
+    check_bytes("events at once", at_once.event, one_by_one.event, sizeof one_by_one.event);
+}
+
 /* ---- order ---- */
 
 enum { WIDTHS = 60 };
