@@ -156,9 +156,9 @@ void app_frames(struct app *const *a, uint32_t n, plant_bind_sides *bind)
     app_advance_beside(a, n, bind, advanced);
     for (uint32_t i = 0; i < n; i++)
         report_frame(a[i], advanced[i]);
-    uint32_t each_us = (now_us(a[0]) - begin_us) / n;
+    uint32_t us = now_us(a[0]) - begin_us;
     for (uint32_t i = 0; i < n; i++)
-        end_frame(a[i], each_us);
+        end_frame(a[i], (us + i) / n); /* whole microseconds, all of them together */
 }
 
 /* Counts missed frames as bus frames. Some of them are made up, by the policy; the others get no turn.

@@ -130,3 +130,30 @@ TEST(app_beside)
     check_above("of plants with a fault", faulty, 300);
     check_above("messages", said, 50000);
 }
+
+static uint32_t five_later(void *context)
+{
+    static uint32_t us;
+    (void)context;
+    return us += 5;
+}
+
+/* Three plants whose frame takes 5 us count 5 us. */
+TEST(app_beside_time)
+{
+    struct app_config c = bus_config();
+    struct app *app[3];
+    int sum_us = 0;
+    c.method = &rk4;
+    for (int i = 0; i < 3; i++) {
+        bus_start(&beside[i], &c);
+        app[i] = &beside[i].app;
+    }
+    struct hal watched = *app[0]->hal;
+    watched.now_us = five_later;
+    app[0]->hal = &watched;
+    app_frames(app, 3, beside_bind);
+    for (int i = 0; i < 3; i++)
+        sum_us += (int)app[i]->timing.compute.max_us;
+    check_int("microseconds of all three", sum_us, 5);
+}
