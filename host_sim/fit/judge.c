@@ -18,8 +18,9 @@ static const double far = 10.0; /* standard deviations: a point beside a jump th
 static const double chi2_deviations = 4.0; /* above its mean: told */
 static const double chi2_least = 0.1;      /* below, the residuals are smaller than any that matter */
 static const double worst_most = 5.0;
-static const double left_most = 0.1;   /* share of a motion that is left where its noise is not known */
-static const double runs_least = -4.0; /* fewer runs are told */
+static const double left_most = 0.1;    /* share of a motion that is left where its noise is not known */
+static const double start_most = 100.0; /* a number over that of the scene, or back */
+static const double runs_least = -4.0;  /* fewer runs are told */
 
 static void add(int *n, char (*text)[JUDGE_TEXT], const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -192,6 +193,20 @@ static void judge_bounds(const struct fit_setup *s, const struct fit_result *r, 
     }
 }
 
+/* A number far from the scene's may be a wrong unit. A lever's modulus is looked for that far away. */
+static void judge_units(const struct fit_setup *s, const struct fit_result *r, struct judged *j)
+{
+    for (int k = 0; k < s->n && !s->levers.n; k++) {
+        const struct fit_unknown *x = &s->unknown[k];
+        double times = unknown_value(x, r->u[k]) / x->start;
+        if (x->kind != FIT_PARAMETER || r->sd[k] > 1.0 || (times < start_most && times > 1.0 / start_most))
+            continue;
+        add(&j->n_notes, j->note, "%s is %.3g times that of the scene: are the units of the data right?",
+            x->name, times);
+        return;
+    }
+}
+
 /* Where chi^2 rises too slowly beside the unknown that is known least, the intervals come from its profile.
  * Those of the others follow it. */
 static void judge_rise(struct fit_setup *s, struct fit_result *r, struct judged *j)
@@ -239,4 +254,5 @@ void judge_fit(struct fit_setup *s, struct fit_result *r, struct judged *j)
     judge_starts(r, j);
     judge_rise(s, r, j);
     judge_bounds(s, r, j);
+    judge_units(s, r, j);
 }

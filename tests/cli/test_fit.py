@@ -128,6 +128,9 @@ def test_forms():
                                                    lambda f, a, p, n=n: ("%.9g" % f, "%.9g" % (a * (2 * math.pi * f) ** n), "%.9g" % (p + n * math.pi / 2))))
     same("sigma in a column", rows_with(small.replace("# noise = 1 %\n", "").replace("phase_rad", "phase_rad,sigma_nm"),
                                         lambda f, a, p: ("%.9g" % f, "%.9g" % a, "%.9g" % p, "%.9g" % (a * 1e7))))
+    put("form.csv", small.replace("amplitude_m,", "amplitude_mm,"))
+    r = fit("--sweep", "form.csv", "--hold", "preload=80 N")
+    verdict("metres that say they are millimetres: asked", re.search(r"^note: mass is 9\d\d times that of the scene: are the units of the data right", r.stdout, re.M), told(r))
     put("form.csv", small.replace("\n", "\r\n").replace("# noise = 1 %\r\n", ""))
     r = fit("--sweep", "form.csv", "--hold", "preload=80 N")
     got = table(r.stdout)
