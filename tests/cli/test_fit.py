@@ -581,6 +581,7 @@ BAD = (
     ("amplitude without unit", HEAD.replace("3 N", "3") + "200,1e-6,0\n", 1, "unit is missing"),
     ("amplitude 0", HEAD.replace("3 N", "0 N") + "200,1e-6,0\n", 1, "not above 0"),
     ("response 0", HEAD + "200,0,0\n", "4:5", "not above 0"),
+    ("a key twice", "# noise = 2 %\n" + HEAD, 3, "noise is there twice"),
     ("unknown key", "# ampltude = 3 N\n" + HEAD, 1, "did you mean amplitude"),
     ("unknown output", "# output = displacment\n" + HEAD, 1, "did you mean displacement"),
     ("unknown input", "# input = forse\n" + HEAD, 1, "did you mean force"),

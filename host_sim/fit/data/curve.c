@@ -59,6 +59,9 @@ static int take_key(struct table *t, void *context, const char *key, const char 
     static const char *const names[] = {"amplitude", "input", "output", "direction", "noise"};
     struct curve_file *f = context;
     const struct model *m = f->scene->model;
+    int status = table_key_once(t, key);
+    if (status)
+        return status;
     if (!strcmp(key, "amplitude")) {
         snprintf(f->amplitude, sizeof f->amplitude, "%s", value);
         f->amplitude_line = t->line;

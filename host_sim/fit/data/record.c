@@ -38,6 +38,9 @@ static int take_key(struct table *t, void *context, const char *key, const char 
     static const char *const names[] = {"output", "input", "noise"};
     struct file *f = context;
     const struct model *m = f->scene->model;
+    int status = table_key_once(t, key);
+    if (status)
+        return status;
     if (!strcmp(key, "output"))
         return find_signal(t, "output", m->output_signal, m->n_outputs, value, &f->record.output);
     if (!strcmp(key, "input"))

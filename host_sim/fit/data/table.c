@@ -173,6 +173,16 @@ void table_close(struct table *t)
         (void)fclose(t->f);
 }
 
+int table_key_once(struct table *t, const char *key)
+{
+    for (int i = 0; i < t->n_given; i++)
+        if (!strcmp(t->given[i], key))
+            return table_wrong(t, -1, "%s is there twice; take one away", key);
+    if (t->n_given < TABLE_KEYS)
+        snprintf(t->given[t->n_given++], TABLE_KEY, "%s", key);
+    return 0;
+}
+
 int table_number(const struct table *t, int i, double *value)
 {
     if (!*t->cell[i])

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include "host_sim/cli/options.h"
 
-enum { TABLE_CELLS = 320, TABLE_LINE = 8192 };
+enum { TABLE_CELLS = 320, TABLE_LINE = 8192, TABLE_KEYS = 8, TABLE_KEY = 16 };
 
 struct table {
     const struct usage *usage;
@@ -28,6 +28,8 @@ struct table {
     /* For each `# key = value` before the header. */
     int (*key)(struct table *t, void *context, const char *key, const char *value);
     void *context;
+    int n_given;
+    char given[TABLE_KEYS][TABLE_KEY]; /* keys so far, of table_key_once */
 };
 
 /* Opens the file and reads up to its header. All but usage, path, crc, key and context is set here. */
@@ -40,6 +42,9 @@ void table_close(struct table *t);
 
 /* One line: file, line and column of cell i (-1: no column), and what is wrong. Returns the status. */
 int table_wrong(const struct table *t, int i, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* This key, one of TABLE_KEYS shorter than TABLE_KEY, stands once. */
+int table_key_once(struct table *t, const char *key);
 
 /* The cell as a finite number. */
 int table_number(const struct table *t, int i, double *value);
