@@ -283,13 +283,25 @@ static uint32_t run_adams(const struct model *m, const double *p, double *scratc
     return done;
 }
 
-/* rk4 reads no scratch memory; the others have none. */
+#if TICK_LANES > 1
+static uint32_t run_exact(const struct model *m, const double *p, double *scratch,
+                          const struct method_block *b, const struct input (*at)[MODEL_INPUTS],
+                          double (*x)[MODEL_STATES], uint32_t n)
+{
+    double *inner = &scratch[METHOD_AUTO_SCRATCH];
+    return exact.bind_run(m, inner)(m, p, inner, b, at, x, n);
+}
+#endif
+
+/* rk4 reads no scratch memory; taylor and modal have none. */
 static run_function *bind_run(const struct model *m, const double *scratch)
 {
     const struct own *o = (const struct own *)(const void *)scratch;
     if (o->choice == ADAMS)
         return run_adams;
 #if TICK_LANES > 1
+    if (o->choice == EXACT)
+        return exact.bind_run(m, &scratch[METHOD_AUTO_SCRATCH]) ? run_exact : NULL;
     if (o->choice == RK4 && o->takes_adams)
         return run_rk4;
 #endif

@@ -54,7 +54,7 @@ enum {
      * STEP_NOT_FINITE. */
     REGIME_ANY = 1 << 15,
     /* Doubles of scratch memory that are enough for every method and model. */
-    METHOD_SCRATCH = 5632,
+    METHOD_SCRATCH = 5760,
     /* Doubles that auto_method keeps for itself, ahead of the scratch memory of the method that it takes. The
      * number is even, so that pairs of doubles stay aligned. */
     METHOD_AUTO_SCRATCH = 14
@@ -92,6 +92,8 @@ enum {
 }; /* a block of two takes 2 KB less of stack, and a third more time */
 #endif
 
+struct method_books;
+
 /* A contact switch in a run. */
 struct method_switch {
     uint32_t tick; /* its number in the run */
@@ -100,6 +102,8 @@ struct method_switch {
     double force;    /* by a method with books: the largest contact force before it; they have that behind */
     bool moved;      /* inputs move the gap */
     const double *x; /* the state there; it stays until the next run */
+    /* NULL, or the energies before it, beside those of its tick in `books` */
+    const struct method_books *before;
 };
 
 /* Those of a run, one after the other. */
@@ -109,11 +113,12 @@ struct method_switches {
 };
 
 struct method_block {
-    double length;    /* model time of each */
-    unsigned active;  /* as in struct segment; the inputs of the others are 0 */
-    unsigned regime;  /* at the begin of the next one that is moved */
-    unsigned jumps;   /* bit k: an input jumps, or is told anew, when tick k begins */
-    uint64_t instant; /* as in struct segment */
+    double length;           /* model time of each */
+    unsigned active;         /* as in struct segment; the inputs of the others are 0 */
+    unsigned regime;         /* at the begin of the next one that is moved */
+    const struct wave *wave; /* waves of active inputs; where they stand is in phasor and at */
+    unsigned jumps;          /* bit k: an input jumps, or is told anew, when tick k begins */
+    uint64_t instant;        /* as in struct segment */
     double x[1 + BLOCK_TICKS][MODEL_STATES];
     struct input at[1 + 2 * BLOCK_TICKS][MODEL_INPUTS];
     struct phasor phasor[1 + BLOCK_TICKS]

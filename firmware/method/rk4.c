@@ -139,7 +139,7 @@ NEVER_INLINE bool note_switches(struct method_switches *s, uint32_t tick, unsign
 {
     for (int i = 0; which != 0; i++, which >>= 1) {
         if (which & 1u)
-            s->at[s->n++] = (struct method_switch){tick, i, h, 0.0, true, x};
+            s->at[s->n++] = (struct method_switch){tick, i, h, 0.0, true, x, NULL};
     }
     return s->n <= RUN_SWITCHES - MODEL_CONTACTS;
 }

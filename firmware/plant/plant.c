@@ -459,6 +459,7 @@ uint32_t quiet_begin(struct plant *pl, uint32_t n, const struct samples *held, s
     b->length = e->length = pl->h;
     b->active = e->active;
     b->regime = pl->regime;
+    b->wave = e->wave;
     b->jumps = 0;
     b->instant = pl->now.tick * TICK_FRACTIONS;
     copy_state(b->x[0], pl->x, pl->model->n_states);
@@ -753,6 +754,8 @@ NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
         if (w->moved)
             show_inputs(pl, q, w->done);
         rise_to(&pl->peak_force, w->force);
+        if (w->before && pl->books == BOOKS_OF_METHOD)
+            rise_to(&pl->peak_force, ledger_take(&pl->ledger, w->before));
         if (pieces > 1 && pl->books == BOOKS_OF_LEDGER) /* the force at the instant of both */
             rise_to(&pl->peak_force, pl->ledger.flow.force);
         pass_time(pl, w->done - begin);

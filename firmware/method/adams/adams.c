@@ -494,7 +494,7 @@ NEVER_INLINE bool take_turn(struct adams *s, struct turn *t, struct method_books
         double *x = s->at_switch[known->n];
         state_at_switch(s, t->phasor, done, at, x);
         known->at[known->n++] = (struct method_switch){
-            t->tick, 0, done, begin > most ? begin : most, s->kind == ADAMS_SHIFTED, x};
+            t->tick, 0, done, begin > most ? begin : most, s->kind == ADAMS_SHIFTED, x, NULL};
         t->regime ^= 1u;
         from = at;
         h -= done;

@@ -11,14 +11,15 @@
  * 32 times as long.
  *
  * Cost on the shaft with one harmonic drive, in instructions by gcc -O3 for x86-64-v3:
- *     a tick                                                                             165
- *     a switch (two polynomials, the root, the state there and at the end)              2400
+ *     a tick with its books, in a block                                                  280
+ *     a switch (two polynomials, the root, the state there and at the end, books)       3000
  *     a tick or part of it by the series itself                                 1500 to 2500 */
 #include "firmware/method/exact/exact.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#include "firmware/method/exact/exact_books.h"
 #include "firmware/method/exact/exact_root.h"
 #include "firmware/method/exact/exact_series.h"
 #include "firmware/method/exact/exact_tables.h"
@@ -31,60 +32,57 @@ enum {
 struct task {
     const struct model *m;
     struct exact *w;
+    struct method_books *books; /* where those of the step go, if powers are known */
 };
 
-/* y += row * size, for a state of n components in pairs */
-ALWAYS_INLINE void add_row(int n, exact_pair *y, const double *row, double size)
+/* Pairs of a row: of n states, and of the last of them half a tick earlier. */
+ALWAYS_INLINE int row_pairs(int n)
 {
-    EXACT_UNROLL for (int k = 0; k < n / 2; k++) y[k] += exact_load(&row[2 * k]) * size;
+    return n - n / 4;
 }
 
-/* Responses to c and to the inputs over a whole tick; false when the tables do not cover these waves. */
-ALWAYS_INLINE bool respond(int n, const struct exact_system *s, const struct exact_regime *r,
-                           const struct segment *e, exact_pair *y)
+/* y += row * size */
+ALWAYS_INLINE void add_row(int pairs, exact_pair *y, const double *row, double size)
 {
-    EXACT_UNROLL for (int k = 0; k < n / 2; k++) y[k] = exact_load(&r->rest[2 * k]);
-    const struct wave *v = e->wave;
-    const struct exact_response *q = s->input;
-    for (unsigned left = e->active; left; left >>= 1, v++, q++) {
-        if (!(left & 1u))
-            continue;
-        if (v->growth != 0.0)
-            return false;
-        if (v->amplitude != 0.0) {
-            if (v->omega != q->omega)
-                return false;
-            add_row(n, y, q->cosine, v->amplitude * v->cosine);
-            add_row(n, y, q->sine, -v->amplitude * v->sine);
-        }
-        if (v->offset != 0.0)
-            add_row(n, y, q->offset, v->offset);
-        if (v->slope != 0.0)
-            add_row(n, y, q->slope, v->slope);
+    EXACT_UNROLL for (int k = 0; k < pairs; k++) y[k] += exact_load(&row[2 * k]) * size;
+}
+
+/* The tables cover this wave over a whole tick. */
+ALWAYS_INLINE bool covers(const struct exact_response *q, const struct wave *v)
+{
+    return v->growth == 0.0 && (v->amplitude == 0.0 || v->omega == q->omega);
+}
+
+/* Adds the response to one input. */
+ALWAYS_INLINE void respond(int pairs, const struct exact_response *q, double amplitude, double cosine,
+                           double sine, double offset, exact_pair *y)
+{
+    if (amplitude != 0.0) {
+        add_row(pairs, y, q->cosine, amplitude * cosine);
+        add_row(pairs, y, q->sine, -amplitude * sine);
     }
-    return true;
+    if (offset != 0.0)
+        add_row(pairs, y, q->offset, offset);
 }
 
-/* x1 becomes the state a tick after x, in pairs. Three sums of a third of the terms each make shorter chains
- * than one. False when the tables do not cover these waves. */
-ALWAYS_INLINE bool tick(int n, const struct exact_system *s, const struct exact_regime *r,
-                        const struct segment *e, const double *x, exact_pair *x1)
+/* x1 becomes the state a tick after x, in pairs, and behind it stand the last states half a tick after x. y:
+ * the responses to c and to the inputs. Three sums of a third of the terms each make shorter chains than one.
+ */
+ALWAYS_INLINE void tick(int n, int pairs, const struct exact_system *s, const exact_pair *y,
+                        const exact_pair *x, exact_pair *x1)
 {
-    exact_pair inputs[MODEL_LINEAR_STATES / 2];
-    if (!respond(n, s, r, e, inputs))
-        return false;
-    EXACT_UNROLL for (int k = 0; k < n / 2; k++)
+    const int half = n / 2;
+    EXACT_UNROLL for (int k = 0; k < pairs; k++)
     {
-        exact_pair position = exact_load(&s->whole[0][2 * k]) * x[0];
-        exact_pair velocity = exact_load(&s->whole[n / 2][2 * k]) * x[n / 2];
-        EXACT_UNROLL for (int j = 1; j < n / 2; j++)
+        exact_pair position = exact_load(&s->whole[0][2 * k]) * x[0][0];
+        exact_pair velocity = exact_load(&s->whole[half][2 * k]) * x[half / 2][half % 2];
+        EXACT_UNROLL for (int j = 1; j < half; j++)
         {
-            position += exact_load(&s->whole[j][2 * k]) * x[j];
-            velocity += exact_load(&s->whole[n / 2 + j][2 * k]) * x[n / 2 + j];
+            position += exact_load(&s->whole[j][2 * k]) * x[j / 2][j % 2];
+            velocity += exact_load(&s->whole[half + j][2 * k]) * x[(half + j) / 2][(half + j) % 2];
         }
-        x1[k] = exact_load(&x[2 * k]) + ((position + velocity) + inputs[k]);
+        x1[k] = x[k < half ? k : k - half + half / 2] + ((position + velocity) + y[k]);
     }
-    return true;
 }
 
 typedef long long exact_bits __attribute__((vector_size(16)));
@@ -101,12 +99,12 @@ static const double overshoot = 0.25;
 
 /* Both ends are finite and too far from every wall for a switch in between. Only the first and the last
  * position are looked at: where others have walls, no tick is clear (struct exact_regime). */
-ALWAYS_INLINE bool clear(int half, const struct exact_regime *r, double length, const double *x,
+ALWAYS_INLINE bool clear(int half, const struct exact_regime *r, double length, const exact_pair *x,
                          const exact_pair *x1)
 {
     int last = half - 1;
-    exact_pair from = {x[0], x[last]}, to = {x1[0][0], x1[last / 2][last % 2]};
-    exact_pair v = {x[half], x[half + last]}, v1 = {x1[half / 2][half % 2], x1[last][1]};
+    exact_pair from = {x[0][0], x[last / 2][last % 2]}, to = {x1[0][0], x1[last / 2][last % 2]};
+    exact_pair v = {x[half / 2][half % 2], x[last][1]}, v1 = {x1[half / 2][half % 2], x1[last][1]};
     exact_pair far = (magnitude(v) + magnitude(v1)) * (overshoot * length);
     if (half == 3) { /* the position and velocity in between are finite, too */
         exact_pair sum = x1[0] + x1[last];
@@ -205,22 +203,76 @@ static bool finite_state(const double *x, int n)
     return zero[0] + zero[1] == 0.0;
 }
 
-/* From x to the first switch before x_end, or to x_end. `drawn`: path is filled already. */
+static void copy_pairs(double *to, const double *from, int n)
+{
+    for (int k = 0; k < n; k += 2)
+        exact_store(&to[k], exact_load(&from[k]));
+}
+
+/* Behind the end of a row: the last states in the middle of the path up to theta. */
+static void find_middle(const struct exact_path *path, int n, double theta, const double *x0, double *row)
+{
+    double change[MODEL_LINEAR_STATES];
+    exact_change(path, n, 0.5 * theta, change);
+    for (int k = n / 4 * 2, i = n; k < n; k += 2, i += 2)
+        exact_store(&row[i], exact_load(&x0[k]) + exact_load(&change[k]));
+}
+
+/* The books of a piece, e or its part up to a switch, from x0 to a row of its end and middle. The input in
+ * the middle of such a part is that of the cubic through its ends. */
+ALWAYS_INLINE void book_states(int n, const struct task *t, const struct segment *e, unsigned regime,
+                               double length, const double *x0, const double *row)
+{
+    exact_pair from[MODEL_LINEAR_STATES / 2], to[EXACT_ROW / 2];
+    EXACT_UNROLL for (int k = 0; k < n / 2; k++) from[k] = exact_load(&x0[2 * k]);
+    EXACT_UNROLL for (int k = 0; k < row_pairs(n); k++) to[k] = exact_load(&row[2 * k]);
+    exact_book(n, t->w, regime, length, from, to, t->books);
+    for (int i = 0; e->active >> i; i++) {
+        if (!((e->active >> i) & 1u))
+            continue;
+        struct input u0 = e->at[0][i], u1 = e->at[2][i];
+        double middle = e->at[1][i].value;
+        if (length < e->length) {
+            wave_at(&e->wave[i], length, &u1);
+            middle = 0.5 * (u0.value + u1.value) + 0.125 * length * (u0.rate - u1.rate);
+        }
+        t->books->work[i] = exact_work(n, t->w, i, length, from, to, u0.value, middle, u1.value);
+    }
+}
+
+static void book_piece(const struct task *t, const struct segment *e, unsigned regime, double length,
+                       const double *x0, const double *row)
+{
+    if (t->m->n_states == 6)
+        book_states(6, t, e, regime, length, x0, row);
+    else if (t->m->n_states == 4)
+        book_states(4, t, e, regime, length, x0, row);
+    else
+        book_states(2, t, e, regime, length, x0, row);
+}
+
+/* From x to the first switch before the end of a row, or to its end. `drawn`: path is filled already, and the
+ * row has no middle. */
 static enum step_status close_in(const struct task *t, const struct exact_regime *r, const struct segment *e,
-                                 unsigned regime, struct exact_path *path, bool drawn, double *x,
-                                 const double *x_end, struct crossing *c)
+                                 unsigned regime, struct exact_path *path, bool drawn, double *x, double *row,
+                                 struct crossing *c)
 {
     int n = t->m->n_states;
-    if (!finite_state(x_end, n))
+    double x0[MODEL_LINEAR_STATES];
+    if (!finite_state(row, n))
         return STEP_NOT_FINITE;
-    unsigned contacts = suspects(n / 2, r, e->length, x, x_end);
+    unsigned contacts = suspects(n / 2, r, e->length, x, row);
     if (contacts && !drawn)
         exact_follow(t->w, r, t->m, e, x, path);
-    if (contacts && locate(t, path, regime, contacts, e->length, x, x_end, c))
-        return STEP_SWITCH;
-    for (int k = 0; k < n; k += 2)
-        exact_store(&x[k], exact_load(&x_end[k]));
-    return STEP_END;
+    copy_pairs(x0, x, n);
+    bool switches = contacts && locate(t, path, regime, contacts, e->length, x, row, c);
+    copy_pairs(switches ? row : x, switches ? x : row, n);
+    if (t->w->powers.known) {
+        if (switches || drawn)
+            find_middle(path, n, switches ? c->done / path->unit : path->end, x0, row);
+        book_piece(t, e, regime, switches ? c->done : e->length, x0, row);
+    }
+    return switches ? STEP_SWITCH : STEP_END;
 }
 
 /* A segment within the reach of its regime. */
@@ -228,12 +280,12 @@ static enum step_status step_part(const struct task *t, const struct exact_regim
                                   unsigned regime, double *x, struct crossing *c)
 {
     struct exact_path path;
-    double x1[MODEL_LINEAR_STATES];
+    double row[EXACT_ROW];
     int n = t->m->n_states;
     exact_follow(t->w, r, t->m, e, x, &path);
-    memcpy(x1, x, (size_t)n * sizeof *x);
-    advance(&path, n, path.end, x1);
-    return close_in(t, r, e, regime, &path, true, x, x1, c);
+    copy_pairs(row, x, n);
+    advance(&path, n, path.end, row);
+    return close_in(t, r, e, regime, &path, true, x, row, c);
 }
 
 /* A step that was forced past the limit, in sound pieces. */
@@ -261,16 +313,28 @@ static unsigned regime_of(const struct task *t, const double *x)
     return regime;
 }
 
+/* Adds the books of a piece, which become those of all so far. */
+static void add_books(const struct model *m, struct method_books *sum, struct method_books *piece)
+{
+    for (int i = 0; i < m->n_inputs; i++)
+        sum->work[i] += piece->work[i];
+    sum->damping += piece->damping;
+    sum->force = piece->force > sum->force ? piece->force : sum->force;
+    *piece = *sum;
+}
+
 /* Runs to the end through all switches. */
 NEVER_INLINE enum step_status step_any(const struct task *t, const struct segment *e, unsigned regime,
                                        double *x)
 {
     struct segment rest = *e;
+    struct method_books sum = {.damping = 0.0};
     for (int piece = 0; piece < ANY_PIECES; piece++) {
         struct crossing c = {0.0, 0, 0, 0.0};
         struct exact_regime *r = &t->w->regime[regime];
         enum step_status status = rest.length <= r->reach ? step_part(t, r, &rest, regime, x, &c)
                                                           : step_far(t, &rest, regime, x, &c);
+        add_books(t->m, &sum, t->books);
         if (status == STEP_END || status == STEP_NOT_FINITE)
             return status;
         if (status == STEP_SWITCH)
@@ -285,7 +349,8 @@ NEVER_INLINE enum step_status step_other(const struct model *m, const double *p,
                                          const struct segment *e, unsigned regime, double *x,
                                          struct crossing *c)
 {
-    struct task t = {m, (struct exact *)(void *)scratch};
+    struct exact *w = (struct exact *)(void *)scratch;
+    const struct task t = {m, w, w->books};
     bool any = (regime & REGIME_ANY) || m->n_contacts == 0;
     unsigned begin = any ? regime_of(&t, x) : regime;
     const struct exact_regime *r = &t.w->regime[begin];
@@ -303,51 +368,277 @@ NEVER_INLINE enum step_status step_near(const struct model *m, const double *p, 
                                         const struct segment *e, unsigned regime, double *x,
                                         struct crossing *c)
 {
-    struct task t = {m, (struct exact *)(void *)scratch};
+    struct exact *w = (struct exact *)(void *)scratch;
+    const struct task t = {m, w, w->books};
     struct exact_path path;
     (void)p;
     return close_in(&t, &t.w->regime[regime], e, regime, &path, false, x, t.w->end, c);
 }
 
-/* Rare cases are tail calls: the common tick needs no stack frame. */
-ALWAYS_INLINE enum step_status step(int n, const struct model *m, const double *p, double *scratch,
+/* Rare cases are tail calls: the common tick needs no stack frame. pairs: of a row, or n / 2 where nothing is
+ * booked. */
+ALWAYS_INLINE enum step_status step(int n, int pairs, const struct model *m, const double *p, double *scratch,
                                     const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
     struct exact *w = (struct exact *)(void *)scratch;
     const struct exact_regime *r = &w->regime[regime % EXACT_REGIMES];
-    exact_pair to[MODEL_LINEAR_STATES / 2];
-    if ((regime & REGIME_ANY) || e->length != r->tick || !tick(n, exact_system_of(w, r), r, e, x, to))
+    const struct exact_system *s = exact_system_of(w, r);
+    exact_pair y[EXACT_ROW / 2], from[MODEL_LINEAR_STATES / 2], to[EXACT_ROW / 2];
+    if ((regime & REGIME_ANY) || e->length != r->tick)
         return step_other(m, p, scratch, e, regime, x, c);
-    if (!clear(n / 2, r, e->length, x, to)) {
-        EXACT_UNROLL for (int k = 0; k < n / 2; k++) exact_store(&w->end[2 * k], to[k]);
+    EXACT_UNROLL for (int k = 0; k < pairs; k++) y[k] = exact_load(&r->rest[2 * k]);
+    EXACT_UNROLL for (int k = 0; k < n / 2; k++) from[k] = exact_load(&x[2 * k]);
+    const struct wave *v = e->wave;
+    const struct exact_response *q = s->input;
+    for (unsigned left = e->active; left; left >>= 1, v++, q++) {
+        if (!(left & 1u))
+            continue;
+        if (!covers(q, v))
+            return step_other(m, p, scratch, e, regime, x, c);
+        respond(pairs, q, v->amplitude, v->cosine, v->sine, v->offset, y);
+        if (v->slope != 0.0)
+            add_row(pairs, y, q->slope, v->slope);
+    }
+    tick(n, pairs, s, y, from, to);
+    if (!clear(n / 2, r, e->length, from, to)) {
+        EXACT_UNROLL for (int k = 0; k < pairs; k++) exact_store(&w->end[2 * k], to[k]);
         return step_near(m, p, scratch, e, regime, x, c);
     }
     EXACT_UNROLL for (int k = 0; k < n / 2; k++) exact_store(&x[2 * k], to[k]);
+    if (pairs == n / 2 || !w->powers.known)
+        return STEP_END;
+    exact_book(n, w, regime, e->length, from, to, w->books);
+    int i = 0;
+    for (unsigned left = e->active; left; left >>= 1, i++)
+        if (left & 1u)
+            w->books->work[i] = exact_work(n, w, i, e->length, from, to, e->at[0][i].value, e->at[1][i].value,
+                                           e->at[2][i].value);
     return STEP_END;
 }
 
-/* One copy for each number of states. */
+#if TICK_LANES > 1
+/* Tick k of the block, from x on. */
+static void take_segment(const struct method_block *b, unsigned k, struct segment *e)
+{
+    e->length = b->length;
+    e->active = b->active;
+    e->changed = false;
+    for (int i = 0; b->active >> i; i++) {
+        if (!((b->active >> i) & 1u))
+            continue;
+        e->wave[i] = b->wave[i];
+        e->wave[i].cosine = b->phasor[k][i].cosine;
+        e->wave[i].sine = b->phasor[k][i].sine;
+        for (int j = 0; j < 3; j++)
+            e->at[j][i] = b->at[2 * k + (unsigned)j][i];
+        if (e->wave[i].amplitude == 0.0) {
+            e->wave[i].offset = e->at[1][i].value;
+            e->at[0][i] = e->at[1][i];
+        }
+    }
+}
+
+/* The state is where the model means something. */
+ALWAYS_INLINE bool within(int n, const exact_pair *x)
+{
+    exact_pair size = magnitude(x[0]);
+    EXACT_UNROLL for (int k = 1; k < n / 2; k++) size += magnitude(x[k]);
+    return size[0] + size[1] <= METHOD_STATE_LIMIT;
+}
+
+/* Ticks of a block that the tables cover: what all of them share. */
+struct run {
+    struct task t;
+    const struct method_block *b;
+    unsigned regime;            /* now */
+    int on[MODEL_INPUTS], n_on; /* the inputs that sound */
+};
+
+/* Tick k of the block, whose row is known, near a wall; x is its begin and becomes its end. A switch in it is
+ * noted. False when single steps have to take it. */
+NEVER_INLINE bool run_near(struct run *q, unsigned k, double *row, double *x)
+{
+    struct exact *w = q->t.w;
+    struct method_switches *noted = q->b->switches;
+    struct exact_path path;
+    struct segment e;
+    take_segment(q->b, k, &e);
+    struct crossing c = {0.0, 0, 0, 0.0};
+    enum step_status status = close_in(&q->t, &w->regime[q->regime], &e, q->regime, &path, false, x, row, &c);
+    if (status != STEP_SWITCH || noted->n == EXACT_SWITCHES)
+        return status == STEP_END;
+    const unsigned then = q->regime ^ 1u << c.contact;
+    const struct method_switch s = {(uint32_t)(q->t.books - w->books),
+                                    c.contact,
+                                    c.done,
+                                    0.0,
+                                    false,
+                                    w->at_switch[noted->n],
+                                    &w->before[noted->n]};
+    if (c.residual || !(c.done > 0.0 && c.done < e.length))
+        return false;
+    w->before[noted->n] = *q->t.books;
+    copy_pairs(w->at_switch[noted->n], x, q->t.m->n_states);
+    segment_tail(&e, q->t.m->n_inputs, c.done);
+    if (!(e.length <= w->regime[then].reach) ||
+        step_part(&q->t, &w->regime[then], &e, then, x, &c) != STEP_END)
+        return false;
+    noted->at[noted->n++] = s;
+    q->regime = then;
+    return true;
+}
+
+/* Up to n ticks, to the end of one with a switch in it. */
+ALWAYS_INLINE uint32_t run_ticks(int n, struct run *q, const struct exact_system *s,
+                                 const struct exact_regime *r, const struct input (*at)[MODEL_INPUTS],
+                                 double (*x)[MODEL_STATES], uint32_t ticks)
+{
+    const struct method_block *b = q->b;
+    struct exact *w = q->t.w;
+    const double length = b->length;
+    const unsigned regime = q->regime;
+    const uint32_t begin = (uint32_t)(at - b->at) / 2, end = begin + ticks;
+    uint32_t k = begin;
+    exact_pair from[MODEL_LINEAR_STATES / 2], to[EXACT_ROW / 2], y[EXACT_ROW / 2];
+    EXACT_UNROLL for (int j = 0; j < n / 2; j++) from[j] = exact_load(&x[0][2 * j]);
+    for (; k < end && q->regime == regime; k++, at += 2, x++, q->t.books++) {
+        EXACT_UNROLL for (int j = 0; j < row_pairs(n); j++) y[j] = exact_load(&r->rest[2 * j]);
+        for (int j = 0; j < q->n_on; j++) {
+            const int i = q->on[j];
+            const struct wave *v = &b->wave[i];
+            respond(row_pairs(n), &s->input[i], v->amplitude, b->phasor[k][i].cosine, b->phasor[k][i].sine,
+                    v->amplitude == 0.0 ? at[1][i].value : v->offset, y);
+        }
+        tick(n, row_pairs(n), s, y, from, to);
+        if (!within(n, to))
+            break;
+        if (clear(n / 2, r, length, from, to)) {
+            const struct input *u0 = at[(b->jumps >> k) & 1u]; /* a jump holds from the begin on */
+            struct method_books *books = q->t.books;
+            EXACT_UNROLL for (int j = 0; j < n / 2; j++) exact_store(&x[1][2 * j], to[j]);
+            exact_book(n, w, regime, length, from, to, books);
+            for (int j = 0; j < q->n_on; j++) {
+                const int i = q->on[j];
+                books->work[i] =
+                    exact_work(n, w, i, length, from, to, u0[i].value, at[1][i].value, at[2][i].value);
+            }
+        } else {
+            EXACT_UNROLL for (int j = 0; j < row_pairs(n); j++) exact_store(&w->end[2 * j], to[j]);
+            EXACT_UNROLL for (int j = 0; j < n / 2; j++) exact_store(&x[1][2 * j], from[j]);
+            if (!run_near(q, k, w->end, x[1]))
+                break;
+            EXACT_UNROLL for (int j = 0; j < n / 2; j++) to[j] = exact_load(&x[1][2 * j]);
+            if (!within(n, to)) {
+                b->switches->n -= q->regime != regime;
+                q->regime = regime;
+                break;
+            }
+        }
+        EXACT_UNROLL for (int j = 0; j < n / 2; j++) from[j] = to[j];
+    }
+    return k - begin;
+}
+
+/* One copy for each number of states. Tables are arguments: so their rows are reached from one register. */
+NEVER_INLINE uint32_t run_2(struct run *q, const struct exact_system *s, const struct exact_regime *r,
+                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
+{
+    return run_ticks(2, q, s, r, at, x, n);
+}
+
+NEVER_INLINE uint32_t run_4(struct run *q, const struct exact_system *s, const struct exact_regime *r,
+                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
+{
+    return run_ticks(4, q, s, r, at, x, n);
+}
+
+NEVER_INLINE uint32_t run_6(struct run *q, const struct exact_system *s, const struct exact_regime *r,
+                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
+{
+    return run_ticks(6, q, s, r, at, x, n);
+}
+
+/* Ticks of one regime. Slopes are left to single steps. */
+static uint32_t run_regime(struct run *q, const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES],
+                           uint32_t n)
+{
+    struct exact *w = q->t.w;
+    const struct exact_regime *r = &w->regime[q->regime % EXACT_REGIMES];
+    const struct exact_system *s = exact_system_of(w, r);
+    bool covered = q->b->length == r->tick;
+    for (int j = 0; j < q->n_on; j++) {
+        const struct wave *v = &q->b->wave[q->on[j]];
+        covered = covered && v->slope == 0.0 && covers(&s->input[q->on[j]], v);
+    }
+    if (!covered)
+        return 0;
+    return q->t.m->n_states == 2   ? run_2(q, s, r, at, x, n)
+           : q->t.m->n_states == 4 ? run_4(q, s, r, at, x, n)
+                                   : run_6(q, s, r, at, x, n);
+}
+
+static uint32_t run(const struct model *m, const double *p, double *scratch, const struct method_block *b,
+                    const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n)
+{
+    struct exact *w = (struct exact *)(void *)scratch;
+    struct run q = {.t = {m, w, w->books}, .b = b, .regime = b->regime};
+    uint32_t done = 0, before;
+    unsigned regime;
+    (void)p;
+    for (int i = 0; b->active >> i; i++)
+        if ((b->active >> i) & 1u)
+            q.on[q.n_on++] = i;
+    do {
+        before = done;
+        regime = q.regime;
+        done += run_regime(&q, &at[2 * done], &x[done], n - done);
+    } while (done < n && done > before && q.regime != regime);
+    return done;
+}
+#endif
+
+static bool known(const double *scratch)
+{
+    return ((const struct exact *)(const void *)scratch)->powers.known;
+}
+
+/* Copies for each number of states: two for 2, as many models of that kind have other powers. */
 static enum step_status step_2(const struct model *m, const double *p, double *scratch,
                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(2, m, p, scratch, e, regime, x, c);
+    return known(scratch) ? step(2, row_pairs(2), m, p, scratch, e, regime, x, c)
+                          : step(2, 2 / 2, m, p, scratch, e, regime, x, c);
 }
 
 static enum step_status step_4(const struct model *m, const double *p, double *scratch,
                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(4, m, p, scratch, e, regime, x, c);
+    return step(4, row_pairs(4), m, p, scratch, e, regime, x, c);
 }
 
 static enum step_status step_6(const struct model *m, const double *p, double *scratch,
                                const struct segment *e, unsigned regime, double *x, struct crossing *c)
 {
-    return step(6, m, p, scratch, e, regime, x, c);
+    return step(6, row_pairs(6), m, p, scratch, e, regime, x, c);
 }
 
 static step_function *bind(const struct model *m)
 {
     return m->n_states == 2 ? step_2 : m->n_states == 4 ? step_4 : step_6;
+}
+
+#if TICK_LANES > 1
+static run_function *bind_run(const struct model *m, const double *scratch)
+{
+    (void)m;
+    return known(scratch) ? run : NULL;
+}
+
+#endif
+
+static const struct method_books *books(const double *scratch)
+{
+    return known(scratch) ? ((const struct exact *)(const void *)scratch)->books : NULL;
 }
 
 static size_t n_scratch(const struct model *m)
@@ -369,4 +660,8 @@ const struct method exact = {
     .refuse = exact_refuse,
     .prepare = exact_prepare,
     .bind = bind,
+    .books = books,
+#if TICK_LANES > 1
+    .bind_run = bind_run,
+#endif
 };

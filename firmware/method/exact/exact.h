@@ -29,6 +29,9 @@ enum {
      * (exact_tables.c): good to 2^-53 over a tick up to EXACT_REACH. A multiple of 4. */
     EXACT_CURVE = 16,
     EXACT_LANES = 4, /* positions, or velocities, filled up to a quad */
+    EXACT_LATE = 4,  /* the last states of six, from the pair of the first velocity on */
+    /* The change of n states over a tick, and behind it that of the last ones over half a tick. */
+    EXACT_ROW = MODEL_LINEAR_STATES + EXACT_LATE,
     EXACT_REGIMES = 1 << MODEL_CONTACTS,
     EXACT_SYSTEMS =
         4 /* different ones that there are tables for; sides of a gap and equal springs share theirs */
@@ -91,12 +94,11 @@ enum exact_column {
     EXACT_COLUMNS = CURVE_SINE + MODEL_INPUTS
 };
 
-/* The change of the state over a whole tick by an input u = cos(omega s), sin(omega s), 1 and s. */
+/* The change of the state by an input u = cos(omega s), sin(omega s), 1 and s. */
 struct exact_response {
     double omega; /* that cosine and sine hold for, here and in curve */
     double pad;
-    double cosine[MODEL_LINEAR_STATES], sine[MODEL_LINEAR_STATES], offset[MODEL_LINEAR_STATES],
-        slope[MODEL_LINEAR_STATES];
+    double cosine[EXACT_ROW], sine[EXACT_ROW], offset[EXACT_ROW], slope[EXACT_ROW];
 };
 
 /* Regimes that differ in c alone share a system. */
@@ -105,7 +107,7 @@ struct exact_system {
     /* The change of the state over a whole tick is the sum of these, each times its cause. It is the change
      * and not the state, because its rounding errors, which are equal in every tick, are then smaller, by the
      * factor rate h. */
-    double whole[MODEL_LINEAR_STATES][MODEL_LINEAR_STATES]; /* a state of 1 at the start */
+    double whole[MODEL_LINEAR_STATES][EXACT_ROW]; /* a state of 1 at the start */
     struct exact_response input[MODEL_INPUTS];
     /* Positions inside a tick: coefficients of s^2, s^3, ... */
     double curve[EXACT_COLUMNS][EXACT_HALF][EXACT_CURVE];
@@ -120,7 +122,7 @@ struct exact_regime {
     int contact_below[EXACT_LANES], contact_above[EXACT_LANES]; /* which switches there */
     double ends_below[2], ends_above[2]; /* first and last position; empty if others have walls */
     double c[EXACT_LANES];
-    double rest[MODEL_LINEAR_STATES]; /* contribution of c to the state over a whole tick */
+    double rest[EXACT_ROW]; /* the change by c */
 };
 
 /* gap = constant + slope * position */
@@ -129,9 +131,23 @@ struct exact_gap {
     int position;
 };
 
+/* Powers at velocities v: loss sum damping_k v_k^2, work of input i u_i sum work_ik v_k. Their rows stand as
+ * the last states do, with 0 for a position. Contact i has the force stiffness_i times its compression. */
+struct exact_powers {
+    double damping[EXACT_LATE], work[MODEL_INPUTS][EXACT_LATE];
+    double stiffness[MODEL_CONTACTS];
+    bool known; /* false: the ledger books by its own rule */
+};
+
+enum { EXACT_BOOKS = TICK_LANES > 1 ? BLOCK_TICKS : 1, EXACT_SWITCHES = TICK_LANES > 1 ? RUN_SWITCHES : 1 };
+
 struct exact {
     double h, pad;
-    double end[MODEL_LINEAR_STATES]; /* state after a tick that may have switched, for step_near */
+    double end[EXACT_ROW]; /* state after a tick that may have switched, and in its middle, for step_near */
+    struct exact_powers powers;
+    struct method_books books[EXACT_BOOKS];
+    double at_switch[EXACT_SWITCHES][MODEL_LINEAR_STATES]; /* states at the switches of a run, */
+    struct method_books before[EXACT_SWITCHES];            /* and the books of their ticks before them */
     struct exact_gap gap[MODEL_CONTACTS];
     struct exact_regime regime[EXACT_REGIMES];
     struct exact_system system[]; /* as many as the model may have, at most EXACT_SYSTEMS */

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 #include "models/math/elementary.h"
+#include "firmware/method/exact/exact_books.h"
 #include "firmware/method/exact/exact_series.h"
 
 enum { SQUARINGS = 12 };
@@ -280,7 +281,17 @@ static void respond_far(const struct cause *q, double *change)
         change[k] = x[k] - q->x[k];
 }
 
-/* The change of the state over a tick (NULL: not wanted), and the positions in between (NULL: not wanted). */
+/* A row of changes from the path over a tick. */
+static void change_row(const struct exact_path *path, int n, double *row)
+{
+    double half_way[MODEL_LINEAR_STATES];
+    exact_change(path, n, 1.0, row);
+    exact_change(path, n, 0.5, half_way);
+    for (int k = n / 4 * 2, i = n; k < n; k++, i++)
+        row[i] = half_way[k];
+}
+
+/* The row of changes (NULL: not wanted), and the positions in between (NULL: not wanted). */
 static void respond(const struct cause *q, double *change, double (*curve)[EXACT_CURVE])
 {
     struct exact_path path;
@@ -292,7 +303,7 @@ static void respond(const struct cause *q, double *change, double (*curve)[EXACT
     memset(&path, 0, sizeof path);
     exact_expand(q->equation, q->c, q->m, &q->e, q->h, q->x, &path);
     if (change)
-        exact_change(&path, q->m->n_states, 1.0, change);
+        change_row(&path, q->m->n_states, change);
     for (int k = 0; curve && k < q->m->n_states / 2; k++) {
         economise(&path.c[k][2], path.n_terms - 2);
         memcpy(curve[k], &path.c[k][2], sizeof curve[k]);
@@ -420,4 +431,5 @@ void exact_prepare(const struct model *m, const double *p, double h, double tol,
             fill_rest(w, s, m, r);
         }
     }
+    exact_find_powers(m, p, w);
 }
