@@ -314,6 +314,12 @@ static const struct method_books *books(const double *scratch)
     return now->books ? now->books(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
 }
 
+static const struct method_ends *ends(const double *scratch)
+{
+    const struct method *now = auto_now(scratch);
+    return now->ends ? now->ends(&scratch[METHOD_AUTO_SCRATCH]) : NULL;
+}
+
 const struct method auto_method = {
     .name = "auto",
     .title = "exact, rk4, taylor or adams, the cheapest that keeps the tolerance, by model, step and drives; "
@@ -325,4 +331,5 @@ const struct method auto_method = {
     .bind = bind,
     .bind_run = bind_run,
     .books = books,
+    .ends = ends,
 };

@@ -150,6 +150,17 @@ struct method_books {
     double force;              /* the largest contact force; of a step of length 0: that of the step before */
 };
 
+/* A rule that weighs ticks by the powers at their ends leaves shares of the first begin and of the last end.
+ * Between these instants moved the share of the begin, and the sum of the books, less the share of the end.
+ */
+struct method_share {
+    double work[MODEL_INPUTS], damping;
+};
+struct method_ends {
+    struct method_share begin, end;
+    bool anew; /* the begin is not the end of the books before */
+};
+
 struct method {
     const char *name;  /* as in scenes, options and on the bus */
     const char *title; /* one line for lists */
@@ -175,6 +186,8 @@ struct method {
     /* NULL, or the books of the last step, or of each tick of the last run; the ledger takes them as they
      * are. It may give NULL, too, after `prepare`: then the ledger has its own rule. */
     const struct method_books *(*books)(const double *scratch);
+    /* NULL, or the shares of both ends of what `books` gives. It may give NULL, too: the books are whole. */
+    const struct method_ends *(*ends)(const double *scratch);
 };
 
 extern const struct method rk4;

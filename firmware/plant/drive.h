@@ -138,7 +138,7 @@ ALWAYS_INLINE void drive_rotate(double *c, double *s, double rotation_c, double 
 /* The input of a steady wave where its phasor is (c, s). */
 ALWAYS_INLINE struct input steady_input(const struct wave *w, double c, double s)
 {
-    return (struct input){w->offset + w->amplitude * c, (-w->amplitude * w->omega) * s};
+    return (struct input){w->offset + unfused(w->amplitude * c), (-w->amplitude * w->omega) * s};
 }
 
 /* The sample where a slope has `left` to go, in 1/65536 tick: it ends in sample_to, to the last bit. */

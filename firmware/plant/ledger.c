@@ -307,6 +307,7 @@ void ledger_start(struct ledger *l, const struct model *m, const double *p, cons
 double ledger_take(struct ledger *l, const struct method_books *b)
 {
     double gross = l->gross + b->damping + fabs(b->heat);
+    l->open.goes_on = false;
     for (int i = 0; i < l->model->n_inputs; i++) {
         if (b->work[i] != 0.0) { /* most inputs are silent, and a sum of 0 is no change */
             add(&l->work[i], b->work[i]);
@@ -337,6 +338,49 @@ double ledger_take_ticks(struct ledger *l, unsigned active, const struct method_
     l->damping = damping;
     l->gross = gross;
     return force;
+}
+
+/* The sums of the books begin at the ledger's, unless they go on. */
+NEVER_INLINE void open_sums(struct ledger *l, const struct method_share *begin)
+{
+    struct ledger_open *o = &l->open;
+    for (int i = 0; i < MODEL_INPUTS; i++) {
+        o->work[i] = l->work[i];
+        add(&o->work[i], begin->work[i]);
+    }
+    o->damping = l->damping;
+    add(&o->damping, begin->damping);
+}
+
+ALWAYS_INLINE void close_sum(const struct sum *open, double share, struct sum *to)
+{
+    *to = *open;
+    add(to, -share);
+}
+
+void ledger_take_ends(struct ledger *l, unsigned active, const struct method_books *b,
+                      const struct method_ends *ends, uint32_t n)
+{
+    struct ledger_open *o = &l->open;
+    double gross = l->gross;
+    if (!o->goes_on || ends->anew)
+        open_sums(l, &ends->begin);
+    o->end = ends->end;
+    o->goes_on = true;
+    for (uint32_t k = 0; k < n; k++) {
+        gross += b[k].damping;
+        add(&o->damping, b[k].damping);
+        for (int i = 0; active >> i != 0; i++) {
+            if (!((active >> i) & 1u))
+                continue;
+            gross += fabs(b[k].work[i]);
+            add(&o->work[i], b[k].work[i]);
+        }
+    }
+    l->gross = gross;
+    close_sum(&o->damping, o->end.damping, &l->damping);
+    for (int i = 0; active >> i != 0; i++)
+        close_sum(&o->work[i], o->end.work[i], &l->work[i]);
 }
 
 /* s and sign times t, exactly but for the rounding of the carries. */
@@ -374,6 +418,7 @@ void ledger_rescale(struct ledger *l, double factor, double change)
     sum_scale(&l->heat, factor);
     sum_scale(&l->change, factor);
     sum_scale(&l->start, factor);
+    l->open.goes_on = false;
     l->gross *= factor;
     l->most *= factor;
     /* Rounding of large sums: put back. */

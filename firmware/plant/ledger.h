@@ -42,6 +42,14 @@ typedef double ledger_ticks_function(struct ledger *l, const double *p,
                                      const struct input (*at)[MODEL_INPUTS], const double (*x)[MODEL_STATES],
                                      uint32_t n, bool anew);
 
+/* Sums of books that leave shares of their ends (struct method_ends): the ledger's are these less the share
+ * of the last end. */
+struct ledger_open {
+    struct sum work[MODEL_INPUTS], damping;
+    struct method_share end;
+    bool goes_on; /* books that begin with this share go on from here */
+};
+
 struct ledger {
     const struct model *model;
     ledger_function *piece; /* for the model: an instantiation with its flow inlined, or the general one */
@@ -51,6 +59,7 @@ struct ledger {
     struct sum change;             /* brought in by parameter changes and by set states */
     double gross;                  /* sum of |work|, |heat| and damping since plant_imbalance last reset it */
     double most;                   /* largest energy that moved between two looks of plant_imbalance */
+    struct ledger_open open;       /* behind ledger_take_ends */
     struct sum start;              /* stored energy when the ledger began */
     struct flow flow;              /* at the end of the last piece; powers of the active inputs */
     struct ledger_rule rule;       /* for pieces as long as the last one */
@@ -100,6 +109,12 @@ double ledger_take(struct ledger *l, const struct method_books *b);
 
 /* As ledger_take, n ticks in which none but the active inputs did work, and no heat came in. */
 double ledger_take_ticks(struct ledger *l, unsigned active, const struct method_books *b, uint32_t n);
+
+/* As ledger_take, n ticks that leave shares of their ends, in which none but the active inputs did work, and
+ * no heat came in. The sums have the same bits, however many ticks come at a time. Forces are not looked at.
+ */
+void ledger_take_ends(struct ledger *l, unsigned active, const struct method_books *b,
+                      const struct method_ends *ends, uint32_t n);
 
 /* The residual of the equation above, with the energy `stored` now. */
 double ledger_residual(const struct ledger *l, int n_inputs, double stored);

@@ -27,6 +27,7 @@ void plant_find_regime(struct plant *pl)
 bool plant_find_books(struct plant *pl)
 {
     bool by_method = pl->method->books && pl->method->books(pl->scratch);
+    pl->ledger.open.goes_on &= by_method;
     if (pl->books != BOOKS_NONE)
         pl->books = by_method ? BOOKS_OF_METHOD : BOOKS_OF_LEDGER;
     return by_method;
@@ -215,7 +216,14 @@ void plant_begin_record(struct plant *pl)
 
 NEVER_INLINE double book_otherwise(struct plant *pl)
 {
-    return pl->books == BOOKS_NONE ? 0.0 : ledger_take(&pl->ledger, pl->method->books(pl->scratch));
+    if (pl->books == BOOKS_NONE)
+        return 0.0;
+    const struct method_books *b = pl->method->books(pl->scratch);
+    const struct method_ends *ends = pl->method->ends ? pl->method->ends(pl->scratch) : NULL;
+    if (!ends)
+        return ledger_take(&pl->ledger, b);
+    ledger_take_ends(&pl->ledger, pl->segment.active, b, ends, 1);
+    return b->force;
 }
 
 ALWAYS_INLINE void pass_time(struct plant *pl, double length)
@@ -737,6 +745,21 @@ static void show_inputs(struct plant *pl, const struct quiet *q, double done)
     }
 }
 
+static const struct method_ends *ends_of(const struct plant *pl)
+{
+    return pl->method->ends ? pl->method->ends(pl->scratch) : NULL;
+}
+
+/* n ticks that the method has booked. Where books leave shares of their ends, the ledger has them already. */
+static void take_books(struct plant *pl, const struct quiet *q, const struct method_books *b, uint32_t n)
+{
+    bool taken = ends_of(pl) != NULL;
+    for (uint32_t k = 0; k < n && taken && pl->books != BOOKS_NONE; k++)
+        rise_to(&pl->peak_force, b[k].force);
+    if (!taken && pl->books != BOOKS_NONE)
+        rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, n));
+}
+
 /* The tick behind those that are done, in which a contact switches: as integrate_rest does it. */
 NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
 {
@@ -764,7 +787,7 @@ NEVER_INLINE void pass_switch(struct plant *pl, struct quiet *q)
     }
     pass_time(pl, pl->h - begin);
     if (pl->books == BOOKS_OF_METHOD)
-        rise_to(&pl->peak_force, ledger_take(&pl->ledger, q->books));
+        take_books(pl, q, q->books, 1);
     if (pl->counts.pieces_max < pieces)
         pl->counts.pieces_max = pieces;
     q->b.regime = pl->regime;
@@ -777,13 +800,6 @@ static void look_at_done(struct plant *pl, struct quiet *q)
     if (q->look)
         quiet_look(pl, q, q->seen, q->look, q->who);
     q->seen = q->done;
-}
-
-/* n ticks that the method has booked; none has a switch. */
-static void take_books(struct plant *pl, const struct quiet *q, const struct method_books *b, uint32_t n)
-{
-    if (pl->books != BOOKS_NONE)
-        rise_to(&pl->peak_force, ledger_take_ticks(&pl->ledger, q->b.active, b, n));
 }
 
 /* Ticks of the last run up to the last one with a switch; the run began with tick `from` of the block. books:
@@ -863,6 +879,9 @@ NEVER_INLINE bool run_booked(struct plant *pl, struct quiet *q, uint32_t n)
     uint32_t done = q->run(pl->model, pl->p, pl->scratch, &q->b, t.at, t.x, n);
     pl->segment.instant += done * TICK_FRACTIONS;
     const struct method_books *b = pl->method->books(pl->scratch);
+    const struct method_ends *ends = ends_of(pl);
+    if (ends && done > 0 && pl->books != BOOKS_NONE)
+        ledger_take_ends(&pl->ledger, q->b.active, b, ends, done);
     bool good = done == n || q->switches.n == RUN_SWITCHES;
     if (q->switches.n > 0)
         pass_switches(pl, q, from, b);

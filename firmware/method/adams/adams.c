@@ -64,7 +64,6 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     m->hertz_form(p, &s->form);
     s->per_damping = s->form.damping > 0.0 ? 1.0 / s->form.damping : 0.0;
     s->h = h;
-    s->rule = rule_of(h);
     adams_prepare_series(s);
     s->angle = -1.0;
     s->free_angle = h * m->eigenfrequency(p);
@@ -72,7 +71,9 @@ static void prepare(const struct model *m, const double *p, double h, double tol
     for (int i = 0; i < m->n_inputs; i++) {
         s->modulating |= (s->form.modulation[i] != 0.0 ? 1u : 0u) << i;
         s->shifting |= (s->form.shift[i] != 0.0 ? 1u : 0u) << i;
+        s->pushing |= (s->form.force[i] != 0.0 || s->form.drag[i] != 0.0 ? 1u : 0u) << i;
     }
+    s->pushing |= s->shifting;
     x[0] = s->form.side * (1.0 - s->form.origin);
     m->flow(p, silent, x, &flow);
     s->force_unit = s->form.hertz != 0.0 ? flow.force / s->form.hertz : 0.0;
@@ -102,20 +103,22 @@ static double stiffness_at(const struct adams *s, const struct input *u)
 
 /* g, of which *contact is the contact's part. */
 ALWAYS_INLINE double force_at(const struct adams *s, double stiffness, double place, double rate,
-                              double *contact)
+                              struct adams_contact *contact)
 {
     double depth = positive(place);
     double free = -unfused(s->form.stiffness * place) - unfused(s->form.damping * rate);
-    *contact = unfused((stiffness * s->form.hertz * depth) * sqrt(depth));
-    return free - *contact;
+    contact->root = sqrt(depth);
+    contact->plain = (s->form.hertz * depth) * contact->root;
+    contact->force = unfused(stiffness * contact->plain);
+    return free - contact->force;
 }
 
 /* ---- one tick ---- */
 
 /* From place and rate `to` at the begin of a span to those at its end, but for g, under the push of inputs
- * that begin at the phasors `turn`. */
-ALWAYS_INLINE void drift(const struct adams_push *push, const struct phasor *turn, double length,
-                         adams_two *to, const int *on, int n_on)
+ * that begin at the phasors `turn`. Bit i of `pushing`: input i pushes. */
+ALWAYS_INLINE void drift(const struct adams_push *push, unsigned pushing, const struct phasor *turn,
+                         double length, adams_two *to, const int *on, int n_on)
 {
     const adams_two way = {unfused(length * (*to)[ADAMS_RATE]), 0.0};
     BOTH SIDE(*to) = (SIDE(*to) + SIDE(way)) + SIDE(push->steady);
@@ -123,17 +126,20 @@ ALWAYS_INLINE void drift(const struct adams_push *push, const struct phasor *tur
     for (int j = 0; j < n_on; j++) {
         const struct adams_response *r = &push->response[j];
         const struct phasor *t = &turn[on[j]];
+        if (!((pushing >> on[j]) & 1u))
+            continue;
         BOTH SIDE(*to) += unfused(SIDE(r->cosine) * t->cosine) + unfused(SIDE(r->sine) * t->sine);
     }
 }
 
 /* From m to the end of a tick, but for the books; `stiffness` is that at its end. */
-ALWAYS_INLINE void advance(const struct adams *s, const struct phasor *turn, double stiffness, const int *on,
-                           int n_on, const struct adams_motion *m, struct adams_motion *end)
+ALWAYS_INLINE void advance(const struct adams *s, unsigned pushing, const struct phasor *turn,
+                           double stiffness, const int *on, int n_on, const struct adams_motion *m,
+                           struct adams_motion *end)
 {
     adams_two ahead;
     BOTH SIDE(ahead) = SIDE(m->without);
-    drift(&s->push, turn, s->h, &ahead, on, n_on);
+    drift(&s->push, pushing, turn, s->h, &ahead, on, n_on);
     UNROLL
     for (int j = ADAMS_NODES - 1; j >= 0; j--) {
         BOTH SIDE(ahead) += unfused(SIDE(s->predict[j]) * m->g[j]);
@@ -160,7 +166,11 @@ ALWAYS_INLINE void state_of(const struct adams *s, const struct input *u, const 
         const adams_two input = {u[s->on[k]].value, u[s->on[k]].rate};
         BOTH SIDE(at) -= s->form.shift[s->on[k]] * SIDE(input);
     }
-    BOTH SIDE(at) *= s->form.side;
+#if TICK_LANES > 1
+    at *= s->form.side;
+#else
+    BOTH at[which] = s->form.side > 0.0 ? at[which] : -at[which]; /* 1 or -1, without a product */
+#endif
     x[0] = at[ADAMS_PLACE];
     x[1] = at[ADAMS_RATE];
 }
@@ -282,10 +292,24 @@ static double turn_of(const struct adams *s)
     return most > 0.0 ? most : s->free_angle;
 }
 
+/* The share of the begin of the segment e: books that go on have that of the end before it already. */
+static void begin_books(struct adams *s, const struct segment *e, bool goes_on)
+{
+    struct method_share begin = {.damping = 0.0};
+    book_share(s, e->length, 0.0, e->at[0], &s->m, &begin);
+    s->ends.anew = !goes_on;
+    if (goes_on)
+        s->more = share_between(&s->ends.end, &begin);
+    else
+        s->ends.end = begin;
+    s->booked = e->length;
+}
+
 /* The segment goes on from the past, or begins without one. */
 NEVER_INLINE void follow(struct adams *s, const struct segment *e, const double *x)
 {
     unsigned were = s->active;
+    bool goes_on = s->booked > 0.0 && were == e->active && stands(s, x);
     adams_take_waves(s, e);
     if (adams_weigh(s, turn_of(s)))
         BOTH SIDE(s->m.without) = SIDE(s->m.at) - SIDE(s->correct) * s->m.g[0];
@@ -295,8 +319,7 @@ NEVER_INLINE void follow(struct adams *s, const struct segment *e, const double 
         s->known = 0;
         note_force(s, e->at[0]);
     }
-    const struct adams_rule rule = rule_of(e->length);
-    book_begin(s, &rule, e->at[0], s->kind, s->on, s->n_on, &s->m);
+    begin_books(s, e, goes_on);
 }
 
 static void phasors_of(const struct adams *s, const struct segment *e, struct phasor *turn)
@@ -309,17 +332,18 @@ static void phasors_of(const struct adams *s, const struct segment *e, struct ph
  * next g. So a motion's part that stays, as a load in balance, has no error. */
 NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
 {
-    double h = e->length, half = 0.5 * h, g = s->m.g[0], stiffness = stiffness_at(s, e->at[1]), contact;
+    double h = e->length, half = 0.5 * h, g = s->m.g[0], stiffness = stiffness_at(s, e->at[1]);
+    struct adams_contact contact;
     struct adams_push push;
     struct phasor turn[MODEL_INPUTS];
     phasors_of(s, e, turn);
     adams_push_for(s, half, &push);
     adams_two middle, end;
     BOTH SIDE(middle) = SIDE(end) = SIDE(s->m.at);
-    drift(&push, turn, half, &middle, s->on, s->n_on);
+    drift(&push, s->pushing, turn, half, &middle, s->on, s->n_on);
     if (h != s->h)
         adams_push_for(s, h, &push);
-    drift(h == s->h ? &s->push : &push, turn, h, &end, s->on, s->n_on);
+    drift(h == s->h ? &s->push : &push, s->pushing, turn, h, &end, s->on, s->n_on);
     const adams_two to_middle = {0.5 * half * half, half}, to_end = {half * h, h};
     BOTH SIDE(middle) += g * SIDE(to_middle);
     BOTH SIDE(end) += g * SIDE(to_end);
@@ -332,6 +356,20 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
     note_force(s, e->at[2]);
 }
 
+/* The books of a tick, or of a part of one. */
+static void book_alone(struct adams *s, const struct segment *e)
+{
+    struct method_books *b = &s->books[0];
+    struct powers q;
+    powers_any(s, e->length, e->length, e->at[2], &s->m, &q);
+    for (int k = 0; k < s->n_on; k++)
+        b->work[s->on[k]] = q.work[k];
+    b->damping = q.damping;
+    add_share(&s->more, s->on, s->n_on, b);
+    s->ends.begin = s->ends.end;
+    book_share(s, e->length, e->length, e->at[2], &s->m, &s->ends.end);
+}
+
 /* ---- the step ---- */
 
 /* One tick, or a part of one, which leaves no past: s->m and the books go to its end, and x too. Returns the
@@ -339,16 +377,19 @@ NEVER_INLINE void step_alone(struct adams *s, const struct segment *e)
 static struct switch_found take(struct adams *s, const struct segment *e, unsigned regime, double *x)
 {
     struct phasor turn[MODEL_INPUTS];
-    if (e->changed || s->sloping || s->known == 0 || e->active != s->active || !stands(s, x))
+    s->more = (struct method_share){.damping = 0.0};
+    s->ends.anew = false;
+    if (e->changed || s->sloping || s->known == 0 || e->active != s->active || e->length != s->booked ||
+        !stands(s, x))
         follow(s, e, x);
     const struct adams_motion begin = s->m;
     s->from = PAIR(begin.at);
-    s->from_contact = begin.contact;
+    s->from_contact = begin.contact.force;
     double stiffness = stiffness_at(s, e->at[2]);
     struct switch_found f;
     if (s->known == ADAMS_NODES && e->length == s->h) {
         phasors_of(s, e, turn);
-        advance(s, turn, stiffness, s->on, s->n_on, &begin, &s->m);
+        advance(s, s->pushing, turn, stiffness, s->on, s->n_on, &begin, &s->m);
         f = seek(PAIR(begin.at), PAIR(s->m.at), e->length, regime);
         adams_pair lack = lack_of(s, &f, PAIR(s->m.at), stiffness, regime);
         BOTH SIDE(s->m.at) += SIDE(lack);
@@ -359,8 +400,7 @@ static struct switch_found take(struct adams *s, const struct segment *e, unsign
     }
     if (e->length != s->h)
         s->known = 0;
-    const struct adams_rule rule = rule_of(e->length);
-    book_any(s, &rule, e->length, e->at[2], &begin.begun, &s->m, &s->books[0]);
+    book_alone(s, e);
     state_of(s, e->at[2], &s->m.at, s->kind, x);
     return f;
 }
@@ -376,7 +416,10 @@ static void stop_at(struct adams *s, const struct segment *e, double done, const
     state_of(s, u, at, s->kind, x);
     s->left = e->length - done;
     s->kept = s->books[0];
+    s->kept_ends = s->ends;
+    s->kept_ends.anew = false;
     s->books[0] = (struct method_books){.force = 0.0};
+    s->ends.end = s->ends.begin;
 }
 
 /* The motion from s->from to the end of e: to the switch f in it, or to its end. The energies of a tick are
@@ -385,7 +428,7 @@ static enum step_status tell(struct adams *s, const struct segment *e, const str
                              double *x, struct crossing *c)
 {
     adams_pair a = s->from, to = PAIR(s->m.at);
-    double length = e->length, done = f->done, contact = s->m.contact;
+    double length = e->length, done = f->done, contact = s->m.contact.force;
     s->left = 0.0;
     if (done >= 0.0) {
         *c = (struct crossing){done, 0, 0, 0.0};
@@ -413,11 +456,14 @@ static enum step_status step(const struct model *m, const double *p, double *scr
     (void)m, (void)p;
     if (e->length == 0.0) { /* behind a switch at the end */
         s->books[0] = (struct method_books){.force = 0.0};
+        s->ends.begin = s->ends.end;
+        s->ends.anew = false;
         return STEP_END;
     }
     if (s->left > 0.0 && e->length == s->left && stands(s, x)) {
         memcpy(x, s->end, sizeof s->end);
         s->books[0] = s->kept;
+        s->ends = s->kept_ends;
         const struct switch_found next = seek(s->from, PAIR(s->m.at), e->length, regime);
         return tell(s, e, &next, x, c);
     }
@@ -503,21 +549,24 @@ NEVER_INLINE bool take_turn(struct adams *s, struct turn *t, struct method_books
     return true;
 }
 
-/* The next tick begins with a jump of forces, which hold, to u; on[k] is the place of active input k in u. */
-ALWAYS_INLINE void jump(struct adams *s, const struct input *u, const int *on, int n_on,
-                        struct adams_motion *now)
+/* The tick that begins at m begins with a jump of forces, which hold, from u0 to u. */
+NEVER_INLINE void jump(struct adams *s, const struct input *u0, const struct input *u,
+                       const struct adams_motion *m)
 {
+    struct method_share before = {.damping = 0.0}, behind = {.damping = 0.0};
     double value = s->form.constant;
-    for (int k = 0; k < n_on; k++) {
-        s->wave[s->on[k]].offset = u[on[k]].value;
-        value += s->force[k] * u[on[k]].value;
+    for (int k = 0; k < s->n_on; k++) {
+        s->wave[s->on[k]].offset = u[s->on[k]].value;
+        value += s->force[k] * u[s->on[k]].value;
     }
     s->push.steady = adams_push_steady(s->h, value, 0.0);
-    book_begin(s, &s->rule, u, ADAMS_FORCED, on, n_on, now);
+    book_share(s, s->h, s->h, u0, m, &before);
+    book_share(s, s->h, 0.0, u, m, &behind);
+    s->more = share_between(&before, &behind);
 }
 
-/* `now` becomes `next`, but for the books of inputs that are not active. */
-ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams_motion *now)
+/* `now` becomes `next`, field by field: registers hold both. */
+ALWAYS_INLINE void go_on(const struct adams_motion *next, struct adams_motion *now)
 {
     BOTH SIDE(now->at) = SIDE(next->at);
     BOTH SIDE(now->without) = SIDE(next->without);
@@ -525,10 +574,6 @@ ALWAYS_INLINE void go_on(const struct adams_motion *next, int n_on, struct adams
     for (int j = 0; j < ADAMS_NODES; j++)
         now->g[j] = next->g[j];
     now->contact = next->contact;
-    UNROLL_TWO
-    for (int k = 0; k < n_on; k++)
-        now->begun.work[k] = next->begun.work[k];
-    now->begun.damping = next->begun.damping;
 }
 
 /* The first of n ticks has the force at its begin, too, as a single step has. */
@@ -547,26 +592,30 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
     const unsigned n_before = (unsigned)(at - b->at) / 2, jumps = b->jumps >> n_before;
     const struct phasor *turn = &b->phasor[n_before][first];
     const struct input *end = &at[2][first];
-    const double h = s->h;
     unsigned regime = b->regime;
     double side = regime & 1u ? 1.0 : -1.0;
+    const unsigned pushing = kind == ADAMS_FORCED ? ~0u : s->pushing >> first;
+    const struct gauge gauge = gauge_of(s, s->h, on, n_on);
     struct adams_motion now = s->m;
-    const double begin = fabs(s->force_unit * now.contact);
+    const double begin = fabs(s->force_unit * now.contact.force);
     uint32_t k = 0;
     while (k < n) {
         struct adams_motion next;
         struct method_books *books = &s->books[k];
         double stiffness = kind == ADAMS_FORCED ? 1.0 : stiffness_of(s, end, on, n_on);
-        if ((kind == ADAMS_FORCED || TICK_LANES == 1) && ((jumps >> k) & 1u))
-            jump(s, end, on, n_on, &now);
-        advance(s, turn, stiffness, on, n_on, &now, &next);
-        books->force = fabs(s->force_unit * next.contact);
+        bool jumped = (kind == ADAMS_FORCED || TICK_LANES == 1) && ((jumps >> k) & 1u);
+        if (jumped) {
+            const struct adams_motion here = now; /* a copy: registers hold `now` */
+            jump(s, end - 2 * MODEL_INPUTS - first, end - first, &here);
+        }
+        advance(s, pushing, turn, stiffness, on, n_on, &now, &next);
+        books->force = fabs(s->force_unit * next.contact.force);
         if (!is_plain(&now.at, &next.at, side)) {
             struct turn t = {PAIR(now.at),
                              PAIR(next.at),
                              PAIR(next.without),
-                             now.contact,
-                             next.contact,
+                             now.contact.force,
+                             next.contact.force,
                              stiffness,
                              regime,
                              k,
@@ -581,15 +630,21 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
             if (b->switches->n == RUN_SWITCHES)
                 n = k + 1;
         }
-        book_end(s, &s->rule, h, end, kind, on, n_on, &now.begun, &next, &books->work[first],
-                 &books->damping);
+        book_tick(s, &gauge, end, &next, kind, on, n_on, &books->work[first], &books->damping);
+        if (jumped)
+            add_share(&s->more, s->on, n_on, books);
         state_of(s, end, &next.at, kind, x[k + 1]);
-        go_on(&next, n_on, &now);
+        go_on(&next, &now);
         k++;
         turn += MODEL_INPUTS;
         end += 2 * MODEL_INPUTS;
     }
     s->m = now;
+    s->ends.begin = s->ends.end;
+    s->ends.anew = false;
+    if (k > 0)
+        book_end(s, s->h, s->h, end - 2 * MODEL_INPUTS, &now, kind, on, n_on, &s->ends.end.work[first],
+                 &s->ends.end.damping);
     s->x[0] = x[k][0];
     s->x[1] = x[k][1];
     count_begin(s, b, k, begin);
@@ -638,6 +693,11 @@ static const struct method_books *books(const double *scratch)
     return ((const struct adams *)(const void *)scratch)->books;
 }
 
+static const struct method_ends *ends(const double *scratch)
+{
+    return &((const struct adams *)(const void *)scratch)->ends;
+}
+
 const struct method adams = {
     .name = "adams",
     .title = "Adams' predictor and corrector, one force a tick, drives integrated exactly; order 5, 4 to 5 "
@@ -649,4 +709,5 @@ const struct method adams = {
     .bind = bind,
     .bind_run = bind_run,
     .books = books,
+    .ends = ends,
 };

@@ -45,24 +45,17 @@ struct adams_push {
     struct adams_response response[MODEL_INPUTS];
 };
 
-/* The part of a tick's energies that belongs to one of its ends (adams_books.h); work of each active input
- * in turn. */
-struct adams_half {
-    double work[MODEL_INPUTS], damping;
-};
-
-/* The rule's weights of a power and of its rate. */
-struct adams_rule {
-    double half, twelfth;
+/* The contact's part of g: hertz eta^1.5 and, of it, the root of eta; and that times 1 and the modulation. */
+struct adams_contact {
+    double force, plain, root;
 };
 
 /* The motion at the end of a tick. g is the force of contact, spring and damper, by mass. */
 struct adams_motion {
     adams_two at;
-    adams_two without;       /* without the share of the newest g */
-    double g[ADAMS_NODES];   /* the newest first */
-    double contact;          /* the contact's part of the newest */
-    struct adams_half begun; /* for the tick that begins here */
+    adams_two without;            /* without the share of the newest g */
+    double g[ADAMS_NODES];        /* the newest first */
+    struct adams_contact contact; /* in the newest */
 };
 
 /* How the inputs enter the motion. A force only adds to it; the others make g a function of time, too. */
@@ -72,12 +65,11 @@ struct adams {
     struct hertz_form form;
     double per_damping;                       /* over the damping; 0 without */
     double h, force_unit;                     /* the unit: of force, over one of the contact's part of g */
-    unsigned modulating, shifting;            /* bit i: so does input i */
+    unsigned modulating, shifting, pushing;   /* bit i: so does input i; those that push move the body */
     adams_pair predict[ADAMS_NODES], correct; /* weights: of g, the newest first; of what g is beside its
                                                * extrapolation */
     double free_angle;                        /* by which a free motion turns in a tick */
     double angle, ahead[2];                   /* the wave that they are for; the extrapolation */
-    struct adams_rule rule;                   /* for a whole tick */
     double series[ADAMS_TERMS];
     /* the inputs */
     unsigned active;
@@ -96,7 +88,11 @@ struct adams {
     /* a tick that was cut at a switch: how much of it is left, its end, its energies */
     double left, end[2];
     struct method_books kept;
+    struct method_ends kept_ends;
     struct method_books books[BLOCK_TICKS];
+    struct method_ends ends;
+    struct method_share more; /* by which that of the begin of a tick is more than that of the end before */
+    double booked;            /* the length that ends.end is for; 0: there is none */
     double at_switch[RUN_SWITCHES][2]; /* the states at the switches of a run */
 };
 
