@@ -4,6 +4,9 @@
 #include <math.h>
 #include "firmware/method/switch.h"
 
+/* The least compression at which a contact is measured, in units of the model. */
+#define LEAST_DEPTH (1.0 / 64.0)
+
 static bool close_to(double a, double b)
 {
     return fabs(a - b) <= 1e-12 * (fabs(a) + fabs(b));
@@ -45,15 +48,40 @@ static bool agrees(const struct model *m, const double *p, const struct exact *w
            close_to(f.force, exact_force(w, half, closed, 0.0, pairs, pairs));
 }
 
-/* A moving state with contact i compressed by 1. */
-static void compress(const struct model *m, const struct exact_gap *g, double *x)
+/* A moving state with the contact of gap g compressed by depth. */
+static void compress(const struct model *m, const struct exact_gap *g, double depth, double *x)
 {
     for (int k = 0; k < m->n_states; k++)
         x[k] = k < m->n_states / 2 ? 0.0 : 1.0 - 0.375 * k;
-    x[g->position] = (-1.0 - g->constant) / g->slope;
+    x[g->position] = (-depth - g->constant) / g->slope;
 }
 
-/* From the flow at unit velocities, and at each contact compressed by 1. */
+static int count_closed(const struct model *m, const struct exact *w, const double *x)
+{
+    int n = 0;
+    for (int i = 0; i < m->n_contacts; i++)
+        n += w->gap[i].constant + w->gap[i].slope * x[w->gap[i].position] < 0.0 ? 1 : 0;
+    return n;
+}
+
+/* A state with contact i compressed: by 1, or by the most of 1/2, 1/4 .. at which it is closed alone, if
+ * there is one. Returns the depth. */
+static double compress_alone(const struct model *m, const struct exact *w, int i, double *x)
+{
+    double depth = 1.0;
+    compress(m, &w->gap[i], depth, x);
+    while (count_closed(m, w, x) > 1 && depth > LEAST_DEPTH) {
+        depth *= 0.5;
+        compress(m, &w->gap[i], depth, x);
+    }
+    if (count_closed(m, w, x) > 1) {
+        depth = 1.0;
+        compress(m, &w->gap[i], depth, x);
+    }
+    return depth;
+}
+
+/* From the flow at unit velocities, and at each contact compressed. */
 static void measure(const struct model *m, const double *p, struct exact *w)
 {
     struct exact_powers *q = &w->powers;
@@ -72,9 +100,9 @@ static void measure(const struct model *m, const double *p, struct exact *w)
             q->work[i][place(half, k)] = f.work[i];
     }
     for (int i = 0; i < m->n_contacts; i++) {
-        compress(m, &w->gap[i], x);
+        double depth = compress_alone(m, w, i, x);
         m->flow(p, u, x, &f);
-        q->stiffness[i] = f.force;
+        q->stiffness[i] = f.force / depth;
     }
 }
 
@@ -90,6 +118,7 @@ static bool has_tables(const struct model *m, const struct exact *w)
 
 void exact_find_powers(const struct model *m, const double *p, struct exact *w)
 {
+    static const double depth[3] = {LEAST_DEPTH, 1.0, 16.0};
     double x[MODEL_LINEAR_STATES];
     bool good = has_tables(m, w);
     if (!good)
@@ -98,8 +127,8 @@ void exact_find_powers(const struct model *m, const double *p, struct exact *w)
     for (int k = 0; k < m->n_states; k++)
         x[k] = 0.25 - 0.375 * k;
     good = agrees(m, p, w, x);
-    for (int i = 0; i < m->n_contacts; i++) {
-        compress(m, &w->gap[i], x);
+    for (int i = 0; i < 3 * m->n_contacts; i++) {
+        compress(m, &w->gap[i / 3], depth[i % 3], x);
         good = good && agrees(m, p, w, x);
     }
     w->powers.known = good;

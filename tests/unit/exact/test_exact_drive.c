@@ -5,6 +5,7 @@
 #include <string.h>
 #include "firmware/plant/plant_change.h"
 #include "firmware/plant/plant_report.h"
+#include "models/reduced/shaft_mode.h"
 #include "models/shaft_bearing.h"
 #include "tests/fixture/exact.h"
 #include "tests/fixture/gap_oscillator.h"
@@ -234,4 +235,44 @@ TEST(exact_snapshot)
     check_above("switches since", a.n_events, 10);
     check_hex("plant and work", plant_hash(&b.plant), plant_hash(&a.plant));
     check_near("plant alone", distance(&a.plant, &c.plant), 0.0, 1e-9);
+}
+
+/* ---- peak forces ---- */
+
+/* The rotor's first mode is thrown from 0.9 of the clearance of bearing 3, which is the closer and the softer
+ * one, at a speed in units of the model. The largest force by `method` up to loss, in those of the model. */
+static double peak_of(const struct method *method, double speed)
+{
+    static double work[METHOD_SCRATCH];
+    static struct plant thrown;
+    struct event e = {.touch = true};
+    double si[MODEL_PARAMETERS];
+    for (int i = 0; i < shaft_bearing_mode.n_parameters; i++)
+        si[i] = shaft_bearing_mode.parameter[i].initial;
+    si[SHAFT_G3] = 0.6 * si[SHAFT_G1];
+    si[SHAFT_KG3] = 0.2 * si[SHAFT_KG1];
+    struct plant_config c = {.model = &shaft_bearing_mode,
+                             .si = si,
+                             .method = method,
+                             .tick_s = 1e-5,
+                             .dilation = 1.0,
+                             .scratch = work};
+    check_no_error(method->name, plant_init(&thrown, &c));
+    plant_set_state(&thrown, (double[]){0.5, speed});
+    for (int k = 0; k < 100000 && e.touch; k++)
+        if (!plant_run(&thrown, 1) || (plant_take_event(&thrown, &e) && !e.touch))
+            break;
+    check_true("lost again", !e.touch);
+    return e.peak_force / thrown.scale.force_N;
+}
+
+/* Both sides of a bearing of one mode close at one position, and the other bearing's behind them. */
+TEST(exact_peak_one_mode)
+{
+    for (int k = 0; k < 3; k++) {
+        double speed = 0.3 * (1 << 2 * k), truth = peak_of(&rk4, speed);
+        check_above("a force", truth, 1e-3);
+        check_near(check_name("peak at %g over that of rk4", speed), peak_of(&exact, speed) / truth, 1.0,
+                   1e-3);
+    }
 }
