@@ -105,6 +105,7 @@ static void any_plant(const struct model *m)
     m->prepare(pl.si, pl.p, &pl.scale);
     ledger_bind(&pl.ledger, m);
     pl.ledger.flow_valid = eva_bool();
+    pl.ledger.open.goes_on = eva_bool();
     any_segment(&pl.segment, m->n_inputs);
     for (int i = 0; i < MODEL_INPUTS; i++)
         any_drive(&pl.drive[i]);
