@@ -229,11 +229,11 @@ static inline double larger(double a, double b)
     return a > b ? a : b;
 }
 
-static double piece_by_hand(struct ledger *l, const double *p, const struct segment *e, const double *x0,
-                            const double *x1)
+static double piece_by_hand(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                            const double *x0, const double *x1)
 {
-    double d = p[DUFFING_P_TWO_ZETA], h = e->length, sixth = h * (1.0 / 6.0);
-    double u1 = e->at[1][0].value, u2 = e->at[2][0].value, gross = l->gross;
+    double d = p[DUFFING_P_TWO_ZETA], h = l->rule.length, sixth = h * (1.0 / 6.0);
+    double u1 = at[0][0].value, u2 = at[1][0].value, gross = l->gross;
     struct flow *b = &l->flow;
     double mean = 0.5 * (x0[1] + x1[1]), secant = h >= 1e-6 ? (x1[0] - x0[0]) * (1.0 / h) : mean;
     double spring = x1[0] * (1.0 + x1[0] * x1[0]), a = (u2 - d * x1[1]) - spring;
@@ -241,7 +241,7 @@ static double piece_by_hand(struct ledger *l, const double *p, const struct segm
         (0.5 * (x0[0] + x1[0]) + 5.0 / 32.0 * h * (x0[1] - x1[1])) + 1.0 / 64.0 * (h * h) * (b->x_dot[1] + a);
     double v = (1.875 * secant - 0.875 * mean) + 1.0 / 32.0 * h * (a - b->x_dot[1]);
     double push = u2 * x1[1], lost = d * x1[1] * x1[1], middle = x * (1.0 + x * x);
-    if (e->active & 1u) {
+    if (l->active & 1u) {
         double power = sixth * ((b->work[0] + push) + 4.0 * (u1 * v));
         add(&l->work[0], power);
         gross += fabs(power);

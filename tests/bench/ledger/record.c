@@ -2,6 +2,7 @@
 #include "tests/bench/ledger/record.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,10 +65,12 @@ int record_ticks(int scene)
     return scenes[scene].ticks;
 }
 
-/* In place of the ledger's own rule. */
-static double note(struct ledger *l, const double *p, const struct segment *e, const double *x0,
-                   const double *x1)
+/* In place of the ledger's own rule, which single steps call by ledger_piece: `at` is a segment's at[1]. */
+static double note(struct ledger *l, const double *p, const struct input (*at)[MODEL_INPUTS],
+                   const double *x0, const double *x1)
 {
+    const struct segment *e =
+        (const void *)((const char *)(const void *)at - offsetof(struct segment, at[1]));
     struct piece *to = &pieces[now.n_pieces++];
     size_t size = (size_t)now.model->n_states * sizeof *x0;
     (void)l, (void)p;
@@ -129,9 +132,12 @@ static void begin_plant(const struct scene *s, int ticks, double tol)
     for (now.input = 0; drive[now.input].amplitude == 0.0;)
         now.input++;
     const struct harmonic *d = &drive[now.input];
+    static struct method bookless; /* the ledger's rules are wanted, not those of `exact` */
+    bookless = *s->method;
+    bookless.books = NULL;
     struct plant_config c = {.model = s->model,
                              .si = si,
-                             .method = s->method,
+                             .method = s->method->books ? &bookless : s->method,
                              .tick_s = (double)(TURN / (long double)d->omega) / ticks,
                              .dilation = 1.0,
                              .tol = tol,
@@ -153,6 +159,7 @@ const struct record *record_run(int scene, int ticks, bool exactly)
     seen = (struct taylor_tally){0, 0, 0, 0};
     begin_plant(s, ticks, exactly && s->tol > 0.0 ? METHOD_TOL_MIN : s->tol);
     plant.ledger.piece = note;
+    plant.bind_run = NULL;
     now.p = plant.p;
     now.h = plant.h;
     now.piece = pieces;
