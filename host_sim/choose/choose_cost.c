@@ -60,9 +60,9 @@ enum { ROWS = sizeof counts / sizeof counts[0] };
 static const double further = 0.2; /* share of a short series' cost that each further order adds */
 static const double tone = 340.0;  /* a drive more in a long series */
 
-/* Instructions of `exact` for a switch and the ticks near it, in those of the piece exact_event: on a PC from
- * whole runs of two shafts (test_choose_cost.sh), where a tick with two switches is begun in a block and done
- * again by itself. */
+/* Instructions of `exact` for a switch and the ticks near it, in those of the piece exact_event. On a PC they
+ * are from whole runs of two shafts (test_choose_cost.sh). There a tick with two switches is begun in a
+ * block, and done again by itself. */
 static const double exact_events = 4.6, exact_events_board = 2.0;
 
 /* A model's count; where one with a moved input is missing, that costs no more. NaN: the method does not
