@@ -584,6 +584,16 @@ static void count_begin(struct adams *s, const struct method_block *b, uint32_t 
         s->books[0].force = force;
 }
 
+/* Motion and state behind a run. Its books begin with the share of the last end. */
+ALWAYS_INLINE void keep_run(struct adams *s, const struct adams_motion *now, const double *x)
+{
+    s->m = *now;
+    s->ends.begin = s->ends.end;
+    s->ends.anew = false;
+    s->x[0] = x[0];
+    s->x[1] = x[1];
+}
+
 /* on[k] is the place of active input k behind `first`. */
 ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
                            const struct input (*at)[MODEL_INPUTS], double (*x)[MODEL_STATES], uint32_t n,
@@ -639,14 +649,10 @@ ALWAYS_INLINE uint32_t run(struct adams *s, const struct method_block *b,
         turn += MODEL_INPUTS;
         end += 2 * MODEL_INPUTS;
     }
-    s->m = now;
-    s->ends.begin = s->ends.end;
-    s->ends.anew = false;
+    keep_run(s, &now, x[k]);
     if (k > 0)
         book_end(s, s->h, s->h, end - 2 * MODEL_INPUTS, &now, kind, on, n_on, &s->ends.end.work[first],
                  &s->ends.end.damping);
-    s->x[0] = x[k][0];
-    s->x[1] = x[k][1];
     count_begin(s, b, k, begin);
     return k;
 }
